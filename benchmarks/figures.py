@@ -1,11 +1,14 @@
-"""Measures pictures, in seconds of processor time: from a document, and with the document.
+"""Measures pictures, in seconds of processor time: from a document, and with the document; and their memory.
 
-python benchmarks/figures.py
+python benchmarks/figures.py [--memory]
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
 from statistics import median
 from time import process_time
 
@@ -31,8 +34,31 @@ def row(name: str, draw: Callable[[], Figure]) -> None:
     print(f"{name:32} {timed(lambda: draw().svg()):6.0f} ms {len(draw().svg()) / 1000:6.0f} kB", flush=True)
 
 
+def resident() -> float:
+    """Returns the memory of this process now, in MB."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return int(status.partition("VmRSS:")[2].split()[0]) / 1024
+
+
+def memory() -> None:
+    """Measure what pictures add to a process that has solved slices."""
+    answers = [singular_curves(EXAMPLES[name], length) for name, length in SLICES]
+    before = resident()
+    print(f"without pictures: {before:.0f} MB")
+    import_module("rpr_solver.figures")
+    loaded = resident()
+    print(f"matplotlib: {loaded - before:.0f} MB")
+    for count in (1, 60, 180):
+        for k in range(count):
+            answers[k % len(answers)].figure().svg()
+        print(f"after {count} more pictures: {resident() - loaded:.0f} MB", flush=True)
+
+
 def main() -> None:
     """Measure every kind of picture."""
+    if "--memory" in sys.argv:
+        memory()
+        return
     print("from a document that is known:")
     slices: dict[tuple[str, str], SingularCurves] = {
         (name, length): singular_curves(EXAMPLES[name], length) for name, length in SLICES

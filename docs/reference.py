@@ -27,6 +27,7 @@ from service.cli.main import COMMANDS, command_of
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.webhooks import WebhookSettings
+from worker.limits import is_setting
 from worker.settings import ConnectionSettings, WorkerSettings, written
 
 FILE = Path(__file__).with_name("reference.md")
@@ -48,7 +49,7 @@ def settings() -> Iterator[str]:
         rows = [
             (f"`RPR_CUSPS_{name.upper()}`", f"`{written(field.default)}`", field.description or "")
             for name, field in model.model_fields.items()
-            if field.annotation not in (Limits, WebhookSettings)
+            if is_setting(field)
         ]
         yield from table((group, "default", "meaning"), rows)
 

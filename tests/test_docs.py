@@ -12,7 +12,7 @@ import pytest
 import rpr_solver
 from docs import reference, reliability
 from service.api.problems import ProblemType
-from service.cli.serve import models
+from service.cli.serve import names
 from tests.support.links import broken
 from tests.support.pages import BLOCKS, NEEDS, PAGES, READ, RUN, SHOWN
 from tests.support.sampling import long
@@ -99,7 +99,6 @@ def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> N
     rows = [line for line in TEXTS["reference.md"].splitlines() if line.startswith("|")]
     assert not [row for row in rows if "|  |" in row], "something is named without its meaning"
     documented = {code.split()[0] for row in rows for code in re.findall(r"`([^`]+)`", row)}
-    settings = {f"RPR_CUSPS_{name.upper()}" for group in models() for name in group.model_fields}
     problems = {kind.slug for kind in ProblemType}
     options = {
         name
@@ -107,8 +106,7 @@ def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> N
         for action in reference.visible(parser)
         for name in action.option_strings
     }
-    settings -= {"RPR_CUSPS_LIMITS", "RPR_CUSPS_WEBHOOKS"}
-    assert settings | problems | options | set(rpr_solver.__all__) <= documented
+    assert names() | problems | options | set(rpr_solver.__all__) <= documented
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)

@@ -4,9 +4,23 @@ from __future__ import annotations
 
 import re
 from inspect import cleandoc
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from pydantic import BaseModel, Field, PositiveFloat
+from pydantic.fields import FieldInfo
+
+T = TypeVar("T")
+
+CONSTANT = "constant"
+
+Constant = Annotated[T, CONSTANT]
+"""The type of a field that is no setting: the environment does not change it, code may give it."""
+
+
+def is_setting(field: FieldInfo) -> bool:
+    """Whether the environment gives the value of a field."""
+    return CONSTANT not in field.metadata
+
 
 ATTRIBUTES = "Attributes:\n"
 _ITEM = re.compile("^    (?=[a-z])", re.MULTILINE)

@@ -25,6 +25,10 @@ from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
+_MOST_WORK = 5_000_000
+"""The cubed degree of the field of a root, times its bits; a pose in it takes several seconds."""
+_MOST_WORK_FACTORING = 1_000_000_000
+"""Likewise of a norm, which is factored in a second or two."""
 
 
 class FactorShape(TypedDict):
@@ -115,7 +119,11 @@ def simple_and_other_roots(polynomial: QuadraticPoly) -> tuple[list[RealRoot], l
 
 
 def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> list[ExactRoot]:
-    """The exact roots of A + ω B equal to some of its real roots; other factors of the norm are not used."""
+    """The exact roots of A + ω B equal to some of its real roots; other factors of the norm are not used.
+
+    Raises:
+        Unproved: their number field is too large.
+    """
     balls = [root.refined(_APART_BITS) for root in roots]
 
     def matches(root: RealRoot) -> bool:
@@ -127,10 +135,22 @@ def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> 
         for factor, exponent in polynomial.norm.factor()[1]
         if any(map(matches, real_roots(QuadraticPoly.rational(factor))))
     ]
+    for factor in factors:
+        degree, bits = int(factor.polynomial.degree()), int(factor.polynomial.height_bits())
+        if degree**3 * bits > _MOST_WORK:
+            raise Unproved(
+                f"a pose needs a number field of degree {degree} with {bits} bits, which is too large"
+            )
     counterparts = [root for root in exact_roots(factors) if matches(root.root)]
     if len(counterparts) != len(roots):
         raise Unproved("a root was lost between balls and exact arithmetic")
     return counterparts
+
+
+def _check_size(polynomial: fmpz_poly, most: int) -> None:
+    degree, bits = int(polynomial.degree()), int(polynomial.height_bits())
+    if degree**3 * bits > most:
+        raise Unproved(f"a pose needs a number field of degree {degree} with {bits} bits, which is too large")
 
 
 def _is_root(polynomial: QuadraticPoly, root: RealRoot) -> bool:

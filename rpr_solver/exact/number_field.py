@@ -24,6 +24,8 @@ _START_BITS = 128
 _MOST_PRIMES = 40
 _MOST_WORK = 30_000_000
 """The cubed degree of a field, times the bits, of an inverse: a quarter of a second."""
+_MOST_BITS = 1 << 15
+"""Of an inverse in any field; Euclid's algorithm lengthens its numbers with each step."""
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
 
 
@@ -164,7 +166,7 @@ def inverse_modulo(polynomial: fmpq_poly, modulus: fmpq_poly) -> fmpq_poly:
     """
     degree = int(modulus.degree())
     bits = polynomial.numer().height_bits() + modulus.numer().height_bits()
-    if degree**3 * bits > _MOST_WORK:
+    if degree**3 * bits > _MOST_WORK or bits > _MOST_BITS:
         raise Unproved(
             f"this takes numbers of {bits} bits in a number field of degree {degree}, which is too long"
         )

@@ -158,6 +158,8 @@ class _JointPlane:
             near = room.points(window.centre)[0]
             centre = room.free((side + 12, side + _FOOT + 12), near)
             if centre is None or np.hypot(*(centre - near)) > _FAR:
+                if not style.is_alone:
+                    continue
                 centre = None
                 row, column = divmod(placed, columns)
                 corner = np.array(

@@ -31,6 +31,8 @@ _MANY = 12
 _COLOURS = ("line1", "line2", "line3", "line4", "line5")
 _DASHES: Sequence[Any] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 2, 2)), (0, (3, 1.5, 1, 1.5, 1, 1.5)))
 _ELEVATION, _AZIMUTH = 24, -58
+_AWAY = 10.0
+"""How much farther than usual the titles of axes in space are, in points."""
 _GAP, _NARROW, _FLAT, _SQUARE, _HIGH, _LEAST = 14.0, 330.0, 0.62, 0.85, 1.4, 82.0
 """In planes: what is between two; narrower pictures have them below each other; heights by widths: of a plane
 in a column, of all without a common scale, and of all at most; and the least side with a common scale."""
@@ -66,6 +68,7 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
         space.view_init(elev=_ELEVATION, azim=_AZIMUTH)
         for axis in (space.xaxis, space.yaxis, space.zaxis):
             axis.set_pane_color(style.colour("tint"))
+            axis.labelpad = _AWAY
             axis.get_major_locator().set_params(nbins=5 if size_of(ax)[0] > _NARROW else 3)
         low = min(axis.get_tightbbox().y0 for axis in (space.xaxis, space.yaxis))
         down = (ax.get_window_extent().y0 - low) / ax.get_window_extent().height * size_of(ax)[1]

@@ -27,6 +27,7 @@ from rpr_solver.figures.mechanism import (
     draw_leg,
     draw_platform,
     fit,
+    stage_height,
 )
 from rpr_solver.figures.room import Room, size_of
 from rpr_solver.figures.strands import Places, SliceCurves
@@ -67,7 +68,7 @@ def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None
         size = size_of(ax)
         joints, torus, stage = (
             ax.inset_axes((x / size[0], 1 - (y + high) / size[1], wide / size[0], high / size[1]))
-            for x, y, wide, high in _boxes(size[0])
+            for x, y, wide, high in _boxes(course, size[0])
         )
         first, second = (style.axis(f"L{k}") for k in (1, 2, 3) if k != leg)
         _limit(joints, course.route, least=0.0)
@@ -93,13 +94,13 @@ def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None
     remark = f"1 to {_TIMES}: equal times{'' if curves is None else '; circles: cusps'}"
 
     def height(wide: float) -> float:
-        *_, (_, y, _, high) = _boxes(wide)
+        *_, (_, y, _, high) = _boxes(course, wide)
         return y + high
 
     return figure_about(path, title, text, paint, height, remark, width=_WIDTH)
 
 
-def _boxes(wide: float) -> list[tuple[float, float, float, float]]:
+def _boxes(course: _Course, wide: float) -> list[tuple[float, float, float, float]]:
     """Left, top, width and height of joint space, the torus and the mechanism."""
     if wide < _NARROW:
         side, high = wide, 0.75 * wide
@@ -109,7 +110,7 @@ def _boxes(wide: float) -> list[tuple[float, float, float, float]]:
         high = 0.85 * side
         planes = [(0.0, 0.0, side, high), (side + _BESIDE, 0.0, side, high)]
     top = planes[-1][1] + high + _AXIS
-    return [*planes, (0.0, top, wide, 0.7 * wide if wide < _NARROW else 0.5 * wide)]
+    return [*planes, (0.0, top, wide, stage_height([course.shape.base, *course.platforms], wide))]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from typing import Any
@@ -89,7 +89,9 @@ class Triangles:
 
 
 _SHARE, _NARROW_SHARE, _NARROW = 0.58, 1.0, 330.0
-"""The height of the picture by its width; narrower ones are higher."""
+"""The height of the picture by its width, at most; narrower ones are higher."""
+_LEAST = 110.0
+"""Its height at least, in points."""
 _SIDE, _BELOW = 30.0, 28.0
 """Margins of the mechanism, in points: at the sides, and above and below."""
 _ROD, _CYLINDER, _OUTLINE, _JOINT = 2.2, 7.0, 1.0, 8.0
@@ -184,16 +186,8 @@ class _Scene:
         self._labels(room, a, b, style)
 
     def _labels(self, room: Room, a: Any, b: Any, style: Style) -> None:
-        for x, y in room.points(corners(a)):
-            room.add_box(x - 11, y - 17, x + 11, y + 5)
-        for place in room.points(corners(b)):
-            room.add_point(place, 5)
-        room.add_line(room.points(corners(_closed(a))))
-        for foot, head in room.points(corners(np.stack((a, b), axis=1).ravel())).reshape(-1, 2, 2):
-            along = (head - foot) / (np.hypot(*(head - foot)) or 1.0)
-            side = along[::-1] * (_CYLINDER / 2, -_CYLINDER / 2)
-            for shift in (side, 0 * side, -side):
-                room.add_line(np.stack((foot + shift, head + shift)))
+        """Writes the numbers of poses, the names of joints, and the lengths of legs."""
+        _keep_free(room, a, b)
         several = len(self.platforms) > 1
         for k, ring in enumerate(self.platforms if several else ()):
             look: dict[str, Any] = {
@@ -215,6 +209,10 @@ class _Scene:
                     weight="bold",
                     color=style.colour("ink"),
                 )
+        self._lengths(room, a, b, style)
+
+    def _lengths(self, room: Room, a: Any, b: Any, style: Style) -> None:
+        """Writes the lengths of legs beside all platforms."""
         for ring in self.platforms if self.lengths else ():
             p, q, r = room.points(corners(ring))
             for share in np.linspace(0.05, 0.95, 19):
@@ -224,6 +222,20 @@ class _Scene:
             label_one_of(
                 room, near, style.words(f"L{k} = {short(length)}"), size=9.5, color=style.colour("soft")
             )
+
+
+def _keep_free(room: Room, a: Any, b: Any) -> None:
+    """Marks where joints, ground, base and legs are."""
+    for x, y in room.points(corners(a)):
+        room.add_box(x - 11, y - 17, x + 11, y + 5)
+    for place in room.points(corners(b)):
+        room.add_point(place, 5)
+    room.add_line(room.points(corners(_closed(a))))
+    for foot, head in room.points(corners(np.stack((a, b), axis=1).ravel())).reshape(-1, 2, 2):
+        along = (head - foot) / (np.hypot(*(head - foot)) or 1.0)
+        side = along[::-1] * (_CYLINDER / 2, -_CYLINDER / 2)
+        for shift in (side, 0 * side, -side):
+            room.add_line(np.stack((foot + shift, head + shift)))
 
 
 def label_one_of(room: Room, points: Any, words: str, **look: Any) -> None:
@@ -314,14 +326,21 @@ def draw_joints(ax: Axes, points: Any, style: Style) -> None:
     ax.plot(*corners(np.array(points)).T, ls="", marker="o", ms=_JOINT, **look)
 
 
-def stage_height(wide: float) -> float:
-    """The height of a picture of the mechanism."""
-    return (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide
+def stage_height(rings: Sequence[Any], wide: float) -> float:
+    """The height of a picture of the mechanism by its width: what shows all points, but not too much."""
+    points = np.concatenate([np.ravel(ring) for ring in rings])
+    across, up = np.ptp(points.real) or 1.0, np.ptp(points.imag)
+    needed = up / across * (wide - 2 * _SIDE) + 2 * _BELOW
+    return float(np.clip(needed, _LEAST, (_SHARE if wide > _NARROW else _NARROW_SHARE) * wide))
 
 
 def _figure(title: str, geometry: Mapping[str, Any], text: str, scene: _Scene) -> Figure:
-    paint: Callable[[Axes, Style], None] = scene.paint
-    return figure_about({"geometry": geometry}, title, text, paint, stage_height, margins=BARE)
+    rings, paint = [np.array(scene.shape.base), *scene.platforms], scene.paint
+
+    def height(wide: float) -> float:
+        return stage_height(rings, wide)
+
+    return figure_about({"geometry": geometry}, title, text, paint, height, margins=BARE)
 
 
 def _facts(alpha: str, lengths: Sequence[str]) -> str:

@@ -19,7 +19,7 @@ _CAPTION_DIGITS, _LONGEST_ROOT = 6, 15
 """Digits of lengths in a caption, and the letters of a root that is not written in digits."""
 BARE = (8.0, 8.0)
 """The margins of pictures without axes."""
-_LARGEST = 1e150
+_LARGEST = Decimal("1e150")
 """Larger lengths are not drawn, nor smaller ones than one by it: the square of neither is a float."""
 
 
@@ -76,7 +76,18 @@ def figure_about(
     remark: str = "",
     **more: Any,
 ) -> Figure:
-    """The figure of a document: below is the geometry that it is about, and what is degenerate throughout."""
+    """The figure of a document: below is the geometry that it is about, and what is degenerate throughout.
+
+    Raises:
+        InputError: naming ``geometry``: axes cannot show lengths of its size.
+    """
+    if len(document) > 1:  # with answers in its unit
+        known = article_lengths(document["geometry"])
+        size = max(abs(exact(known[name])) for name in LENGTHS)
+        if not 1 / _LARGEST < size < _LARGEST:
+            how = ("large", "larger") if size > 1 else ("small", "smaller")
+            said = f"{short(str(size))} is too {how[0]} to be drawn; give lengths in a {how[1]} unit"
+            raise InputError.of("geometry", said)
     caption = _caption(document["geometry"])
     said = f"{description}{_degenerate_facts(document)} Geometry: {', '.join(caption)}."
     return Figure(title, said, paint, height, caption, _degenerate_remark(document) or remark, **more)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from html import escape
 from io import BytesIO
 from threading import Lock
@@ -40,7 +41,7 @@ _DRAWING = Lock()
 
 
 def drawn_in(figure: Picture, ax: Axes | None) -> Axes:
-    """Draws a figure in axes, or in new ones of pyplot.
+    """Draws a figure in axes, or on a sheet of pyplot.
 
     Raises:
         InputError: naming ``ax``: they do not have three dimensions.
@@ -48,16 +49,21 @@ def drawn_in(figure: Picture, ax: Axes | None) -> Axes:
     if ax is None:
         from matplotlib import pyplot as plt
 
-        wide = (figure.style.width or figure.width) / _POINTS
-        high = figure.height(_POINTS * wide - sum(figure.margins)) / _POINTS + 1
-        projection = {"projection": "3d"} if figure.is_spatial else {}
-        ax = plt.figure(figsize=(wide, high), layout="constrained").add_subplot(**projection)
+        return laid_out(figure, plt.figure()).axes[0]
     if figure.is_spatial and not hasattr(ax, "get_zlim"):
         raise InputError.of("ax", "has two dimensions; make it with projection='3d'")
+    figure.paint(ax, replace(figure.style, is_alone=False))
     if figure.style.has_title:
-        ax.set_title(figure.style.words(figure.title))
-    figure.paint(ax, figure.style)
+        taken = ax.get_tightbbox()
+        above = 0.0 if taken is None else (taken.y1 - ax.get_window_extent().y1) * _scale(ax)
+        ax.set_title(figure.style.words(figure.title), pad=max(above, 0.0) + _EDGE)
     return ax
+
+
+def _scale(ax: Axes) -> float:
+    """What a dot of the picture is in points."""
+    sheet: Any = ax.get_figure()
+    return _POINTS / float(sheet.dpi)
 
 
 def encoded(figure: Picture, form: str) -> bytes:
@@ -70,7 +76,9 @@ def encoded(figure: Picture, form: str) -> bytes:
     }[form]
     with _DRAWING, rc_context(style.sheet()):
         dots = {"png": _PRINTED_DOTS if style.width else _SCREEN_DOTS}.get(form, _POINTS)
-        laid_out(figure).savefig(target, format=form, dpi=dots, metadata=metadata)
+        sheet = Sheet(dpi=_POINTS)
+        FigureCanvasAgg(sheet)
+        laid_out(figure, sheet).savefig(target, format=form, dpi=dots, metadata=metadata)
     content = target.getvalue()
     return content if form != "svg" else _described(content.decode(), figure).encode()
 
@@ -89,11 +97,9 @@ def _described(svg: str, figure: Picture) -> str:
     return head + said + rest
 
 
-def laid_out(figure: Picture) -> Sheet:
-    """The sheet of a figure, under the settings of its style."""
+def laid_out(figure: Picture, sheet: Sheet) -> Sheet:
+    """Draws a figure on an empty sheet, which takes its size."""
     style, wide = figure.style, figure.style.width or figure.width
-    sheet = Sheet(dpi=_POINTS)
-    FigureCanvasAgg(sheet)
     ax, (left, inner, high), extent = _painted(figure, sheet, wide)
     room = wide - 2 * _EDGE
     above, below = [], [(figure.remark, _REMARK)] if figure.remark else []
@@ -126,8 +132,9 @@ def _painted(figure: Picture, sheet: Sheet, wide: float) -> tuple[Axes, tuple[fl
         sheet.set_size_inches(wide / _POINTS, high / _POINTS)
         ax = sheet.add_axes((left / wide, 0.0, inner / wide, 1.0), **projection)
         figure.paint(ax, figure.style)
-        extent = ax.get_tightbbox()
-        assert extent is not None  # the axes are visible
+        taken = ax.get_tightbbox()
+        assert taken is not None  # the axes are visible
+        extent = Bbox(taken.get_points() * _scale(ax))
         beyond = max(_EDGE - extent.x0, 0.0), max(extent.x1 - wide + _EDGE, 0.0)
         if max(beyond) < 1:
             break
@@ -138,10 +145,11 @@ def _painted(figure: Picture, sheet: Sheet, wide: float) -> tuple[Axes, tuple[fl
 def _write(sheet: Sheet, lines: Sequence[tuple[str, float]], top: float, style: Style) -> None:
     """Writes lines with the sizes of their letters; those that are longer than the sheet are smaller."""
     wide, high = sheet.get_size_inches() * _POINTS
+    scale = _POINTS / sheet.dpi
     for words, size in lines:
         look = {"ha": "center", "va": "top", "color": style.colour("soft" if size == _CAPTION else "ink")}
         text = sheet.text(0.5, top / high, style.words(words), size=size, **look)
-        text.set_size(size * min(0.98 * (wide - 2 * _EDGE) / text.get_window_extent().width, 1.0))
+        text.set_size(size * min(0.98 * (wide - 2 * _EDGE) / (text.get_window_extent().width * scale), 1.0))
         top -= size * _LEADING
 
 
@@ -153,7 +161,7 @@ def _wrapped(
     for item in items:
         longer = f"{lines[-1]}{glue}{item}" if lines else item
         probe = sheet.text(0, 0, set_(longer), size=size)
-        fits = 1.03 * probe.get_window_extent().width <= room
+        fits = 1.03 * probe.get_window_extent().width * _POINTS / sheet.dpi <= room
         probe.remove()
         if lines and fits:
             lines[-1] = longer

@@ -34,6 +34,7 @@ class Style:
         has_title: whether the title is written above; SVG has it for screen readers in any case.
         has_caption: whether the geometry is written below.
         theme: the paper: ``"light"`` or ``"dark"``.
+        is_alone: whether axes have a sheet for themselves, with room below for insets.
     """
 
     width_mm: float = 0.0
@@ -42,6 +43,7 @@ class Style:
     has_title: bool = True
     has_caption: bool = True
     theme: Theme = "light"
+    is_alone: bool = True
 
     @property
     def width(self) -> float:

@@ -193,11 +193,12 @@ class Boxes:
         wide = singularity_over(*own.legs)[1]
         rooms, rises = [signed * own.over(j, slopes)], [[signed * x for x in wide]]
         length = own.sides[2]
-        half_square = length * length * 0.5
+        middle = Balls.exact(length.mid)
+        half_square, mean_length = middle * middle * 0.5, Balls(length.mid, length.rad * (UP / 2))
         for wall, height in zip(self.limits.walls, self._heights, strict=True):
             value, (alpha, theta, by_length) = own.value(wall.leg)
-            value = value + self._model.constants[wall.leg]
-            over = own.over(value, (alpha, theta, by_length)) + half_square
+            value = value + self._model.constants[wall.leg] + half_square
+            over = own.over(value, (alpha, theta, by_length + mean_length))
             rise = own.legs[wall.leg].rise
             rooms.append((height - over) * wall.side)
             rises.append([x * -wall.side for x in (rise[0], rise[1], rise[2] + length)])

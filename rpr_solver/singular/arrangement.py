@@ -14,13 +14,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cmp_to_key
 from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rpr_solver.errors import ControlFlow, SolverError
 
 _GRID, FINER_GRID = 1 << 46, 1 << 56
 _DISPLACEMENT = 1 << 6
 _TRIALS = 8
-_COLUMNS = 48
 
 Point = tuple[float, float]
 Vector = tuple[int, int]
@@ -179,22 +182,13 @@ class _Arrangement:
 
     def _near(self) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
         """Pairs of edges whose boxes meet, except those that have an end in common."""
-        (low_x, step_x), (low_y, step_y) = _columns(self._lines, 0), _columns(self._lines, 1)
-        cells: dict[Vector, list[tuple[tuple[int, int], int, int, int, int]]] = defaultdict(list)
-        seen = set()
-        for entry in _boxes(self._lines):
-            edge, left, right, bottom, top = entry
-            for column in range((left - low_x) // step_x, (right - low_x) // step_x + 1):
-                for row in range((bottom - low_y) // step_y, (top - low_y) // step_y + 1):
-                    others = cells[column, row]
-                    for other, left2, right2, bottom2, top2 in others:
-                        apart = left > right2 or left2 > right or bottom > top2 or bottom2 > top
-                        follows = other[1] + 1 == edge[1] and other[0] == edge[0]
-                        if not apart and not follows and (other, edge) not in seen:
-                            seen.add((other, edge))
-                            if not self._joined(other, edge):
-                                yield other, edge
-                    others.append(entry)
+        edges = [(k, i) for k, line in enumerate(self._lines) for i in range(len(line) - 1)]
+        corners = np.array([pair for line in self._lines for pair in pairwise(line)], dtype=np.int64)
+        pairs = boxes_that_meet(corners.min(axis=1), corners.max(axis=1)) if edges else ()
+        for ends in zip(*(numbers.tolist() for numbers in pairs), strict=True):
+            first, second = (edges[k] for k in sorted(ends))
+            if second != (first[0], first[1] + 1) and not self._joined(first, second):
+                yield first, second
 
     def _joined(self, first: tuple[int, int], second: tuple[int, int]) -> bool:
         """Whether two edges have an end in common; then they must not overlap."""
@@ -282,19 +276,16 @@ def _check_apart(p: Vector, q: Vector, r: Vector) -> None:
         raise _Degenerate
 
 
-def _columns(lines: Sequence[Sequence[Vector]], axis: int) -> tuple[int, int]:
-    """The least coordinate of all points, and the width of the columns up to the greatest."""
-    along = [point[axis] for line in lines for point in line]
-    return min(along), (max(along) - min(along)) // _COLUMNS + 1
-
-
-def _boxes(lines: Sequence[Sequence[Vector]]) -> Iterator[tuple[tuple[int, int], int, int, int, int]]:
-    """Every edge with the left, right, lower and upper bound of its box."""
-    for k, line in enumerate(lines):
-        for i, ((ax, ay), (bx, by)) in enumerate(pairwise(line)):
-            left, right = (ax, bx) if ax < bx else (bx, ax)
-            bottom, top = (ay, by) if ay < by else (by, ay)
-            yield (k, i), left, right, bottom, top
+def boxes_that_meet(low: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """All pairs of boxes that meet, by their numbers, from their lowest and highest corners, a row each."""
+    order = np.argsort(low[:, 0], kind="stable")
+    stops = np.searchsorted(low[order, 0], high[order, 0], side="right")
+    counts = stops - np.arange(len(order)) - 1
+    first = np.repeat(np.arange(len(order)), counts)
+    second = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts) + first + 1
+    i, j = order[first], order[second]
+    keep = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1])
+    return i[keep], j[keep]
 
 
 def _windings(cycle_of: Mapping[Half, int], home: Mapping[int, int | None]) -> dict[int | None, int]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rpr_solver.model.float_slice import FloatSlice
-from rpr_solver.singular.arrangement import Polyline
+from rpr_solver.singular.arrangement import Polyline, boxes_that_meet
 
 _ROUNDS = 16
 """Halvings of one chord, each of which leaves a quarter of its deviation: down to 1e-10 of a first one."""
@@ -112,14 +112,7 @@ class _Edges:
         lines, rooms = self.lines, self.rooms[:, None]
         low = np.minimum(lines[:, :2], lines[:, 2:]) - rooms
         high = np.maximum(lines[:, :2], lines[:, 2:]) + rooms
-        order = np.argsort(low[:, 0])
-        stops = np.searchsorted(low[order, 0], high[order, 0], side="right")
-        counts = stops - np.arange(len(order)) - 1
-        first = np.repeat(np.arange(len(order)), counts)
-        second = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts) + first + 1
-        i, j = order[first], order[second]
-        keep = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1])
-        i, j = i[keep], j[keep]
+        i, j = boxes_that_meet(low, high)
         apart = ~_meet(lines[i], lines[j])
         return i[apart], j[apart]
 

@@ -190,6 +190,7 @@ def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
     )
 
 
+_GZIP_BYTES = 1024  # from which on a response is compressed: shorter ones fit into one packet
 _GZIP_LEVEL = 1  # digits: level 5 takes five times as long for five per cent fewer bytes
 _ALLOWED_HEADERS = (
     *("Authorization", "Content-Type", "Idempotency-Key", "If-None-Match"),
@@ -240,7 +241,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     describe(app)
     app.add_middleware(Guard, context=context, rules=Rules(app.routes))
     app.add_middleware(
-        Compression, minimum_size=settings.gzip_bytes, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14
+        Compression, minimum_size=_GZIP_BYTES, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14
     )
     if settings.cors_origins:
         app.add_middleware(

@@ -23,7 +23,7 @@ from redis.exceptions import RedisError
 from service.api.http import Slots
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
-from service.api.settings import Settings
+from service.api.settings import REDIS_CONNECTIONS, RETRY_SECONDS, Settings
 from service.api.threads import Breaker, RedisAccess, Refusals, Threads
 from service.webhooks.callbacks import Callbacks
 from worker.connection import connect, eviction_warning
@@ -97,9 +97,12 @@ class KeptAnswers:
 
 log = logging.getLogger("rpr_cusps.service")
 
+_REDIS_THREADS = 40  # for short commands: of fewer than the connections, so that none waits for one
 _EVENT_THREADS = 8
 _PARSING_THREADS = 4
 _SCRAPING_THREADS = 2
+_CACHE_SECONDS = 60.0  # for which an answer that was sent is kept: who asks again soon does so at once
+_LARGE_ANSWER_BYTES = 256 << 20  # of memory that large results take which are being sent, about
 
 
 class Context:
@@ -123,25 +126,23 @@ class Context:
     def __init__(self, settings: Settings) -> None:
         """Create the parts; nothing connects yet."""
         redis = connect(
-            settings.redis_url,
-            max_connections=settings.redis_connections,
-            timeout=settings.redis_timeout_seconds,
+            settings.redis_url, max_connections=REDIS_CONNECTIONS, timeout=settings.redis_timeout_seconds
         )
-        breaker, retry = Breaker(), settings.retry_seconds
+        breaker = Breaker()
         self.settings = settings
         self.queue = queue = JobQueue(redis, WorkerSettings())
         self.callbacks = Callbacks(redis, queue.settings)
         self.metrics = Metrics(queue)
-        self.redis = RedisAccess(Threads(settings.threads), breaker)
+        self.redis = RedisAccess(Threads(_REDIS_THREADS), breaker)
         self.parsing = Threads(_PARSING_THREADS)
-        self.kept = KeptAnswers(settings.answer_cache_mb << 20, settings.answer_cache_seconds)
+        self.kept = KeptAnswers(settings.answer_cache_mb << 20, _CACHE_SECONDS)
         self.scraping = Threads(_SCRAPING_THREADS)
         self.refusals = Refusals()
         self.events = JobEvents(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), self.refusals)
         self.large_answers = Slots(
-            "large results", settings.large_answers, retry, settings.large_answer_bytes
+            "large results", settings.large_answers, RETRY_SECONDS, _LARGE_ANSWER_BYTES
         )
-        self.followers = Slots("streams of events", settings.max_followers, retry)
+        self.followers = Slots("streams of events", settings.max_followers, RETRY_SECONDS)
 
     async def check_redis(self) -> None:
         """Log problems of a Redis that can be reached; requests report one that cannot."""

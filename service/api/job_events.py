@@ -16,7 +16,7 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api.job_views import earlier_state, state_json
-from service.api.settings import Settings
+from service.api.settings import STREAM_CONNECTIONS, Settings
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
 from worker.answers.layout import dump
@@ -201,7 +201,7 @@ class JobEvents:
         self.keepalive = settings.keepalive_seconds
         self.redis = Redis.from_url(
             settings.redis_url,
-            max_connections=settings.stream_connections + 1,
+            max_connections=STREAM_CONNECTIONS + 1,
             socket_timeout=_BLOCK + _MARGIN,
             socket_connect_timeout=_MARGIN,
             decode_responses=True,
@@ -210,7 +210,7 @@ class JobEvents:
             **password(settings.redis_url),
             retry=Retry(ExponentialBackoff(cap=0.5, base=0.05), 4, supported_errors=(RedisConnectionError,)),
         )
-        self._tails = Tails(self.redis, settings.stream_connections, refusals.log)
+        self._tails = Tails(self.redis, STREAM_CONNECTIONS, refusals.log)
         self._cache = _EventCache(access, self._read)
         self._is_stopping = False
 

@@ -11,6 +11,7 @@ from service.schemas.resources import address
 from service.webhooks.callbacks import Delivery
 from service.webhooks.deliverer import DocumentOf, event_type
 from worker.answers.kinds import is_batch, kind_of_job
+from worker.jobs.keys import FAILURE_TTL
 from worker.jobs.view import JobView, iso
 from worker.settings import WorkerSettings
 
@@ -63,7 +64,7 @@ def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
     """Returns until when a job that has ended is kept."""
     if view.ended_at is None:
         return None
-    ttl = settings.job_ttl if view.status == "succeeded" else settings.failure_ttl
+    ttl = settings.result_ttl_seconds if view.status == "succeeded" else FAILURE_TTL
     end = datetime.fromisoformat(view.ended_at) + timedelta(seconds=ttl)
     return end.isoformat(timespec="seconds").replace("+00:00", "Z")
 
@@ -81,10 +82,14 @@ def earlier_state(view: JobView, status: str) -> dict[str, object]:
     }
 
 
+_POLL_SECONDS = 1
+"""The least `Retry-After` of a job, in seconds: HTTP knows no shorter one."""
+
+
 def retry_after(view: JobView, settings: Settings) -> int:
     """Returns the seconds after which to ask again for a job: fewer if it runs than if it waits."""
     seconds = 0 if view.place is None else min(ceil(view.place.seconds), settings.longest_poll_seconds)
-    return max(settings.poll_seconds, seconds)
+    return max(_POLL_SECONDS, seconds)
 
 
 def delivery_json(delivery: Delivery) -> dict[str, object]:

@@ -13,12 +13,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic import AfterValidator, Field
 from pydantic_settings import NoDecode
 
 from rpr_solver.errors import clipped
 from service.schemas.limits import Limits
 from service.webhooks import WebhookSettings
+from worker.limits import Constant
 from worker.settings import EnvironmentSettings, each
 
 PEER = "rpr_cusps.peer"
@@ -92,21 +93,21 @@ SCOPES: tuple[KeyScope, ...] = get_args(KeyScope)
 """What a key allows; each includes those before it."""
 
 
+REDIS_CONNECTIONS = 64
+"""Connections for short commands: more than there are threads for them."""
+
+STREAM_CONNECTIONS = 256
+"""Jobs that are waited for or followed at the same time: each takes a connection to Redis."""
+
+RETRY_SECONDS = 2
+"""`Retry-After` when Redis cannot be reached, or there is no room, in seconds: most such faults are short."""
+
+
 class Settings(EnvironmentSettings):
     """How one API process runs.
 
     Attributes:
         redis_url: Redis or Valkey server that holds the queue and the results
-        redis_connections: maximum number of connections for short commands
-        redis_timeout_seconds: time to wait for an answer of Redis, in seconds
-        stream_connections: maximum number of jobs that are waited for or followed at the same time
-        max_followers: maximum number of clients that follow events at the same time
-        threads: number of threads for work on Redis
-        poll_seconds: least `Retry-After` until a job has ended, in seconds
-        longest_poll_seconds: greatest `Retry-After` of a job that waits in the queue, in seconds
-        retry_seconds: `Retry-After` when Redis cannot be reached, in seconds
-        keepalive_seconds: time between two keep-alive comments on an idle event stream, in seconds
-        gzip_bytes: minimum size of a response to compress, in bytes
         access_log: the requests that are logged; `errors`: those answered with 400 and above
         require_keys: whether calls need an API key; `auto`: once a key was made, and always if `serve`
             listens on an address that other computers reach
@@ -114,46 +115,42 @@ class Settings(EnvironmentSettings):
             localhost; `*.example.com` for those below a name, `*` for all
         cors_origins: origins of web pages that may call the service, comma-separated, such as
             `https://tools.example.com`; `*` for all; none if empty
-        header_seconds: time for the head of a request, from the opening of the connection, in seconds
-        body_seconds: time for the body of a request, in seconds
-        idle_seconds: time between two requests of a connection, in seconds
+        root_path: path under which a reverse proxy shows the service, such as `/cusps`; links begin so
+        redis_timeout_seconds: time to wait for an answer of Redis, in seconds: it answers in milliseconds,
+            and clients wait meanwhile
+        header_seconds: time for the head of a request, from the opening of the connection, in seconds: what
+            slow networks need, with a margin
+        body_seconds: time for the body of a request, in seconds: a megabyte on a slow network
+        idle_seconds: time between two requests of a connection, in seconds: less than proxies keep theirs
         stall_seconds: time in which a client must read some of an answer, and after one that closes the
             connection stop sending, in seconds
-        max_header_bytes: maximum size of the header fields of a request, in bytes
+        keepalive_seconds: time between two keep-alive comments on an idle event stream, in seconds: proxies
+            cut streams that are silent for 30 to 60
+        longest_poll_seconds: greatest `Retry-After` of a job that waits in the queue, in seconds
         max_connections: maximum number of connections, and no more than open files allow; beyond it, the one
-            that is idle for the longest time is closed
+            that is idle for the longest time is closed. Each takes some 30 kB
+        max_followers: maximum number of clients that follow events at the same time
         answer_cache_mb: memory for answers that were sent a moment ago, in MiB; those need no Redis. 0: none
-        answer_cache_seconds: time for which such an answer is kept, in seconds
         large_answers: maximum number of large results that are sent at the same time
-        large_answer_bytes: maximum memory of large results that are sent, in bytes, about
-        root_path: path under which a reverse proxy shows the service, such as `/cusps`; links begin so
     """
 
     redis_url: str = "redis://127.0.0.1:6379/0"
-    redis_connections: int = Field(default=64, ge=2)
-    redis_timeout_seconds: PositiveFloat = 2.0
-    stream_connections: int = Field(default=256, ge=2)
-    max_followers: PositiveInt = 1000
-    threads: PositiveInt = 40
-    poll_seconds: PositiveInt = 1
-    longest_poll_seconds: PositiveInt = 60
-    retry_seconds: PositiveInt = 2
-    keepalive_seconds: PositiveFloat = 15.0
-    gzip_bytes: NonNegativeInt = 1024
     access_log: Literal["all", "errors", "off"] = "all"
     require_keys: KeysPolicy = "auto"
     allowed_hosts: Annotated[tuple[str, ...], NoDecode, each(str)] = ()
     cors_origins: Annotated[tuple[str, ...], NoDecode, each(_origin, f"is no origin; {_SUCH_AS}")] = ()
-    header_seconds: PositiveFloat = 10.0
-    body_seconds: PositiveFloat = 30.0
-    idle_seconds: PositiveInt = 15
-    stall_seconds: PositiveFloat = 30.0
-    max_header_bytes: PositiveInt = 32 << 10
-    max_connections: PositiveInt = 10_000
-    answer_cache_mb: NonNegativeInt = 32
-    answer_cache_seconds: PositiveFloat = 60.0
-    large_answers: PositiveInt = 32
-    large_answer_bytes: PositiveInt = 256 << 20
     root_path: Annotated[str, AfterValidator(read_prefix)] = ""
-    limits: Limits = Field(default_factory=Limits.of_environment)
-    webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
+    limits: Constant[Limits] = Field(default_factory=Limits.of_environment)
+    webhooks: Constant[WebhookSettings] = Field(default_factory=WebhookSettings)
+
+    redis_timeout_seconds: Constant[float] = 2.0
+    header_seconds: Constant[float] = 10.0
+    body_seconds: Constant[float] = 30.0
+    idle_seconds: Constant[int] = 15
+    stall_seconds: Constant[float] = 30.0
+    keepalive_seconds: Constant[float] = 15.0
+    longest_poll_seconds: Constant[int] = 60
+    max_connections: Constant[int] = 10_000
+    max_followers: Constant[int] = 1000
+    answer_cache_mb: Constant[int] = 32
+    large_answers: Constant[int] = 32

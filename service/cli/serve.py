@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 from rpr_solver.errors import InputError
 from service.cli.parsers import Command, Parser, whole
 from service.errors import ServiceError
+from worker.limits import is_setting
 from worker.logs import log_uncaught, program_line
 
 if TYPE_CHECKING:
@@ -90,7 +91,8 @@ def models() -> tuple[type[BaseModel], ...]:
 
 def names() -> set[str]:
     """Returns the names of all settings."""
-    return {PREFIX + name.upper() for model in models() for name in model.model_fields}
+    fields_of = (model.model_fields.items() for model in models())
+    return {PREFIX + name.upper() for fields in fields_of for name, field in fields if is_setting(field)}
 
 
 def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
@@ -109,8 +111,9 @@ def warn_of_unknown_settings(command: str) -> None:
 
 
 def _hint(name: str, known: Iterable[str]) -> str:
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.75)
-    return f"; did you mean {near[0]}?" if near else ""
+    words = [other.removeprefix(PREFIX) for other in known]
+    near = difflib.get_close_matches(name.removeprefix(PREFIX), words, n=1, cutoff=0.65)
+    return f"; did you mean {PREFIX}{near[0]}?" if near else ""
 
 
 def add_source(parser: argparse.ArgumentParser, which: str = "of the service") -> None:
@@ -202,7 +205,7 @@ def _run_serve(args: argparse.Namespace) -> int:
       rpr-cusps serve --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
 
     Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,
-    RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
+    RPR_CUSPS_DEADLINE_SECONDS (maximum run time of a chunk of a job, in seconds) and more.
     """
     from service.stack.serve import ServeSettings, serve
     from worker.process import die_with_parent, raise_file_limit

@@ -64,8 +64,8 @@ def _run_store(args: argparse.Namespace) -> int:
       rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
       rpr-cusps store archive                           all answers to RPR_CUSPS_ARCHIVE_URL, now
 
-    Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or
-    earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
+    Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL_SECONDS), or earlier
+    when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
     """
     if args.action == "prune" and args.older_than is None and args.max_bytes is None:
         raise InputError.of("--older-than", "or --max-bytes is missing; give one of them, or both")
@@ -102,6 +102,7 @@ def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) 
     """Move all answers to the archive (RPR_CUSPS_ARCHIVE_URL) now, whatever their age, and remove objects
     there that are no longer needed. Workers do both by themselves, later."""
     from worker.answers.archive import ArchiveAwayError, archive_of
+    from worker.answers.layout import ARCHIVE_TTL
     from worker.jobs.archiving import Mover
 
     if settings.archive_url is None:
@@ -109,7 +110,7 @@ def _archive(_args: argparse.Namespace, redis: Redis, settings: WorkerSettings) 
     try:
         mover = Mover(redis, settings, archive_of(settings))
         moved = mover.move(_LONGEST_MOVE, everything=True)
-        removed = mover.collect(settings.archive_ttl + 86400)
+        removed = mover.collect(ARCHIVE_TTL + 86400)
     except ArchiveAwayError as error:
         raise ServiceError(f"{error}; what has not moved stays in Redis") from error
     print(f"moved {moved} answers; removed {removed} objects that are no longer needed")

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, NonNegativeInt, PositiveInt
 
 from rpr_solver.errors import FieldProblem, InputError
-from worker.limits import ATTRIBUTES, DEADLINE, Deadline, describe_fields
+from worker.limits import ATTRIBUTES, DEADLINE, Constant, Deadline, describe_fields, is_setting
 
 DEFERRED = ConfigDict(defer_build=True)
 """What is built when it is first used: a process uses few models, and starts sooner."""
@@ -98,24 +98,24 @@ class Limits(Model):
     model_config = ConfigDict(frozen=True)
 
     max_slices: PositiveInt = 2000
-    max_article_slices: PositiveInt = 50
-    max_samples: PositiveInt = 50
-    min_digits: SupportedDigits = MIN_DIGITS
-    max_digits: SupportedDigits = MAX_DIGITS
-    default_digits: SupportedDigits = 90
-    max_number_digits: int = Field(default=400, ge=1, le=4000)
+    max_article_slices: Constant[int] = 50
+    max_samples: Constant[int] = 50
+    min_digits: Constant[int] = MIN_DIGITS
+    max_digits: Constant[int] = MAX_DIGITS
+    default_digits: Constant[int] = 90
+    max_number_digits: Constant[int] = 400
     max_cost_seconds: PositiveInt = 120
-    deadline: Deadline = DEADLINE
+    deadline_seconds: Deadline = DEADLINE
     max_body_bytes: PositiveInt = 1 << 20
-    max_body_members: PositiveInt = 20_000
+    max_body_members: Constant[int] = 20_000
     max_batch_items: PositiveInt = 10_000
-    max_batch_bytes: PositiveInt = 64 << 20
-    max_batch_wait_seconds: NonNegativeInt = 300
-    max_result_bytes: PositiveInt = 256 << 20
+    max_batch_bytes: Constant[int] = 64 << 20
+    max_batch_wait_seconds: Constant[int] = 300
+    max_result_bytes: Constant[int] = 256 << 20
     max_requests_per_minute: NonNegativeInt = 6000
     max_active_jobs: NonNegativeInt = 500
     max_active_seconds: NonNegativeInt = 7200
-    max_wait_seconds: NonNegativeInt = 30
+    max_wait_seconds: Constant[int] = 30
 
     @classmethod
     def of_environment(cls, **given: int) -> Self:
@@ -127,7 +127,11 @@ class Limits(Model):
             ValidationError: a variable is invalid.
         """
         variables = {name.lower(): text for name, text in os.environ.items()}
-        found = {name: variables[_PREFIX + name] for name in cls.model_fields if _PREFIX + name in variables}
+        found = {
+            name: variables[_PREFIX + name]
+            for name, field in cls.model_fields.items()
+            if is_setting(field) and _PREFIX + name in variables
+        }
         return cls.model_validate({**found, **given})
 
 

@@ -198,9 +198,9 @@ def _deadline(value: object, info: ValidationInfo) -> float:
     limits, seconds = Source.of(info).limits, exact_number(value, info)
     if seconds <= 0:
         raise InputError.of("", f"is {exact_str(seconds)}; give a number of seconds > 0")
-    if seconds > limits.deadline:
+    if seconds > limits.deadline_seconds:
         asked = Decimal(seconds.numerator) / seconds.denominator  # of any size
-        raise LimitError.exceeded(limits, "deadline", f"is {asked:.6g} s")
+        raise LimitError.exceeded(limits, "deadline_seconds", f"is {asked:.6g} s")
     return float(seconds)
 
 

@@ -191,10 +191,6 @@ def serve(settings: ServeSettings) -> int:
 def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     environment = Settings()  # a bad environment ends the stack, not a child again and again
     worker_settings = WorkerSettings()
-    if worker_settings.result_ttls:
-        from worker.answers.kinds import check_lifetimes  # loads all kinds
-
-        check_lifetimes(worker_settings)
     level = (worker_settings.log_level or "WARNING").upper()
     tell = partial(note, worker_settings.log_format)
     listener = stack.enter_context(_bind(settings.host, settings.port))

@@ -28,6 +28,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
+from functools import partial
 
 import httpcore
 from redis import Redis
@@ -98,10 +99,11 @@ async def _exchanged(
         target=target.path.encode(),
     )
     context = ssl.create_default_context() if target.scheme == "https" else None
+    backend = _Backend(settings, target.scheme)
     try:
         async with (
             asyncio.timeout(settings.webhook_timeout_seconds),
-            httpcore.AsyncConnectionPool(ssl_context=context, network_backend=_Backend(settings)) as pool,
+            httpcore.AsyncConnectionPool(ssl_context=context, network_backend=backend) as pool,
             pool.stream("POST", url, headers=list(headers.items()), content=body) as response,
         ):
             fields = {name.lower(): value for name, value in response.headers}
@@ -123,8 +125,8 @@ def _seconds(fields: Mapping[bytes, bytes]) -> float | None:
 class _Backend(httpcore.AnyIOBackend):
     """Connects to the address that was checked, so that a second look at the name cannot give another."""
 
-    def __init__(self, settings: WebhookSettings) -> None:
-        self._networks = settings.webhook_networks
+    def __init__(self, settings: WebhookSettings, scheme: str) -> None:
+        self._is_allowed = partial(is_allowed, networks=settings.webhook_networks, scheme=scheme)
         self._seconds = settings.webhook_timeout_seconds
 
     async def connect_tcp(
@@ -136,9 +138,9 @@ class _Backend(httpcore.AnyIOBackend):
         socket_options: Iterable[httpcore.SOCKET_OPTION] | None = None,
     ) -> httpcore.AsyncNetworkStream:
         addresses = await _look_up(host, port)
-        allowed = [address for address in addresses if is_allowed(address, self._networks)][:_MOST_ADDRESSES]
+        allowed = list(filter(self._is_allowed, addresses))[:_MOST_ADDRESSES]
         if not allowed:
-            raise RefusedError(f"{host} is {addresses[0]}, which is not a public address")
+            raise RefusedError(f"{host} is {addresses[0]}, which the settings do not allow")
         share = self._seconds / len(allowed)
         for address in allowed[:-1]:
             with suppress(httpcore.ConnectError, httpcore.ConnectTimeout):

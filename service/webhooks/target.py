@@ -12,17 +12,16 @@ from pathlib import Path
 from typing import Annotated
 from urllib.parse import urlsplit
 
-from pydantic import Field, PositiveFloat, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 from pydantic_settings import NoDecode
 
 from rpr_solver.errors import InputError, clipped
+from worker.limits import Constant
 from worker.settings import EnvironmentSettings, Network, Networks, each, is_within
 
 _PREFIX = "whsec_"
 _LEAST_SECRET = 24  # bytes, as the specification asks for
 _HOST = re.compile(r"(\*\.)?[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*|\[?[0-9A-Fa-f:.]+\]?")
-_PAUSE = re.compile(r"[0-9]+(\.[0-9]+)?")
-_LONGEST_PAUSE, _MAX_PAUSES = 86400.0, 20
 
 
 class SecretError(ValueError):
@@ -33,12 +32,7 @@ def _host(text: str) -> str | None:
     return text.lower() if _HOST.fullmatch(text) else None
 
 
-def _pause(text: str) -> float | None:
-    return float(text) if _PAUSE.fullmatch(text) and float(text) <= _LONGEST_PAUSE else None
-
-
 Hosts = Annotated[tuple[str, ...], NoDecode, each(_host, "is not the name of a host, or *. and a name")]
-Pauses = Annotated[tuple[float, ...], NoDecode, each(_pause, "is not a number of seconds up to 86400")]
 
 
 class WebhookSettings(EnvironmentSettings):
@@ -49,19 +43,19 @@ class WebhookSettings(EnvironmentSettings):
             a name; without it there are no webhooks
         webhook_secret_file: file with the secrets that sign webhooks, one a line, each `whsec_` and 24 bytes
             or more in base64; each of them signs
-        webhook_allow_http: whether a `callback_url` may be http://
-        webhook_networks: private networks that webhooks may reach, comma-separated, such as `10.1.0.0/16`;
-            all public addresses are allowed
-        webhook_timeout_seconds: time for one attempt to deliver a webhook, in seconds
-        webhook_retry_seconds: pauses between the attempts to deliver a webhook, comma-separated, in seconds
+        webhook_networks: private networks that webhooks may reach, comma-separated, such as `10.1.0.0/16`, in
+            which a `callback_url` may be http://; all public addresses are allowed, with https://
+        webhook_timeout_seconds: time for one attempt to deliver a webhook, in seconds: receivers answer first
+            and work later
+        webhook_retry_seconds: pauses between the attempts to deliver a webhook, in seconds: half a day in all
     """
 
     webhook_hosts: Hosts = ()
     webhook_secret_file: Path | None = Field(default=None, validate_default=True)
-    webhook_allow_http: bool = False
     webhook_networks: Networks = ()
-    webhook_timeout_seconds: PositiveFloat = Field(default=10.0, le=60)
-    webhook_retry_seconds: Pauses = (5, 30, 120, 600, 3600, 14400, 28800)
+
+    webhook_timeout_seconds: Constant[float] = 10.0
+    webhook_retry_seconds: Constant[tuple[float, ...]] = (5, 30, 120, 600, 3600, 14400, 28800)
 
     @property
     def is_on(self) -> bool:
@@ -75,13 +69,6 @@ class WebhookSettings(EnvironmentSettings):
             SecretError: they cannot be read, or one is not of the form.
         """
         return _read(self.webhook_secret_file)
-
-    @field_validator("webhook_retry_seconds")
-    @classmethod
-    def _are_few(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        if len(value) > _MAX_PAUSES:
-            raise ValueError(f"has more than {_MAX_PAUSES} pauses")
-        return value
 
     @field_validator("webhook_secret_file")
     @classmethod
@@ -170,8 +157,9 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
     target = _parts_of(url)
     if target is None:
         raise InputError.of(FIELD, f"is {shown}; its host or port cannot be read")
-    if target.scheme == "http" and not settings.webhook_allow_http:
-        raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_ALLOW_HTTP)")
+    networks = settings.webhook_networks
+    if target.scheme == "http" and not networks:
+        raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_NETWORKS is not set)")
     if "@" in urlsplit(url).netloc or "#" in url:
         raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
     if not any(fits(target.host, pattern) for pattern in settings.webhook_hosts):
@@ -180,9 +168,9 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
             f"names the host {clipped(target.host)!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow",
         )
     addresses = _addresses_of(target.host)
-    if addresses and not any(is_allowed(address, settings.webhook_networks) for address in addresses):
-        what = f"{target.host}, which is not a public address and not in RPR_CUSPS_WEBHOOK_NETWORKS"
-        raise InputError.of(FIELD, f"names {what}")
+    if addresses and not any(is_allowed(address, networks, target.scheme) for address in addresses):
+        what = "not a public address and not in" if target.scheme == "https" else "for http:// not in"
+        raise InputError.of(FIELD, f"names {target.host}, which is {what} RPR_CUSPS_WEBHOOK_NETWORKS")
     return target
 
 
@@ -235,11 +223,11 @@ def _is_host(host: str, authority: str) -> bool:
     return len(host) <= _LONGEST_NAME and all(map(_LABEL.fullmatch, labels))
 
 
-def is_allowed(address: str, networks: tuple[Network, ...]) -> bool:
-    """Whether webhooks may reach an address: a public one, or one in these networks.
+def is_allowed(address: str, networks: tuple[Network, ...], scheme: str = "https") -> bool:
+    """Whether webhooks may reach an address: one in these networks, and with https a public one.
 
     >>> is_allowed("8.8.8.8", ()), is_allowed("10.1.2.3", ()), is_allowed("::ffff:127.0.0.1", ())
     (True, False, False)
     """
-    is_public = is_within(address, _PUBLIC) and not is_within(address, _SPECIAL)
+    is_public = scheme == "https" and is_within(address, _PUBLIC) and not is_within(address, _SPECIAL)
     return is_public or is_within(address, networks)

@@ -54,7 +54,6 @@ HOOKS = {
         "api": {
             "environment": {
                 "RPR_CUSPS_WEBHOOK_HOSTS": "receiver",
-                "RPR_CUSPS_WEBHOOK_ALLOW_HTTP": "true",
                 "RPR_CUSPS_WEBHOOK_NETWORKS": "10.0.0.0/8,172.16.0.0/12,192.168.0.0/16",
                 "RPR_CUSPS_WEBHOOK_SECRET_FILE": "/run/secrets/webhooks",
             },

@@ -97,7 +97,8 @@ def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) ->
     answer."""
     question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
     with httpx.Client(base_url=local.base, timeout=PATIENCE) as client:
-        first = client.post("/v1/cusp-tables", json=question).json()
+        headers = {"Prefer": "respond-async"}
+        first = client.post("/v1/cusp-tables", json=question, headers=headers).json()
         with ThreadPoolExecutor(1) as pool:
             waiting = pool.submit(
                 client.post, "/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}

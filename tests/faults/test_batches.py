@@ -68,7 +68,7 @@ def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
     item; then the item fails, and the others are answered.
     """
     queue = jobs(redis, "endless_at_13")
-    workers.start(task=queue.settings.task, deadline=0.7, log_level="CRITICAL")
+    workers.start(task=queue.settings.task, deadline_seconds=0.7, log_level="CRITICAL")
     view = ended(queue, submit_batch(queue, tables("1", "13", "2")).id)
     assert (view.status, view.failed) == ("succeeded", 1)
     failure = read_batch(queue, view)[1].outcome.failure

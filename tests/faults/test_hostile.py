@@ -94,7 +94,9 @@ def test_nonsense(valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch, seed:
     """Thousands of corrupted requests arrive. Each gets a valid answer, or a problem document that names the
     error; none is an internal error, and none takes a second of processor time.
     """
-    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "1e9")  # nobody works here, and whatever is valid is queued
+    monkeypatch.setenv(
+        "RPR_CUSPS_MAX_BACKLOG_SECONDS", "1e9"
+    )  # nobody works here, and whatever is valid is queued
     draw, known = random.Random(seed), questions()
     with (
         serving(Settings(redis_url=valkey.url)) as url,

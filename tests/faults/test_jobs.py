@@ -66,7 +66,7 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
 def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, request_: JobRequest) -> None:
     """A computation hangs in C code. It ends at the deadline, and the job fails with `timeout`, which is
     logged; workers continue."""
-    worker = workers.start(deadline=0.7)
+    worker = workers.start(deadline_seconds=0.7)
     view = ended(jobs(redis), jobs(redis, "endless").submit(request_).id)
     assert view.status == "failed"
     assert view.error == {
@@ -152,7 +152,7 @@ def test_what_ends_a_work_horse_ends_one_chunk(redis: Redis, workers: Workers, t
     """A work horse that has run chunks of other jobs crashes, meets an unexpected error or the deadline, or
     its job is canceled. That ends one chunk; another work horse runs the next ones.
     """
-    worker = workers.start(max_losses=0, deadline=PATIENCE if task == "canceled" else 1)
+    worker = workers.start(max_losses=0, deadline_seconds=PATIENCE if task == "canceled" else 1)
 
     def horse_after(l1: str) -> list[int]:
         queue = jobs(redis)
@@ -228,7 +228,7 @@ def test_a_work_horse_is_stopped(redis: Redis, workers: Workers) -> None:
     """A work horse is stopped by SIGSTOP and not continued. It is killed at the deadline, and the job fails
     with `timeout`; the worker continues.
     """
-    worker = workers.start(task="tests.support.hard_tasks.gated", deadline=2)
+    worker = workers.start(task="tests.support.hard_tasks.gated", deadline_seconds=2)
     queue = jobs(redis, "gated")
     view = queue.submit(a_request("1"))
     until(lambda: redis.llen("begun") == 1)

@@ -13,7 +13,7 @@ from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended
 from tests.support.processes import PATIENCE, Workers, until
-from tests.support.service_server import GEOMETRY, serving
+from tests.support.service_server import GEOMETRY, NO_WAIT, serving
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -115,7 +115,7 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
     """Two hundred new questions arrive at once. As many as the queue holds are accepted; the others get 503
     with the time after which to try again."""
     each = JobQueue(redis).plan(a_request("1"), 1).seconds
-    room = WorkerSettings().max_backlog
+    room = WorkerSettings().max_backlog_seconds
     redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 40.5 * each)))
     with (
         serving(Settings(redis_url=valkey.url)) as url,
@@ -123,7 +123,9 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
         ThreadPoolExecutor(16) as pool,
     ):
         bodies = [{"geometry": {**GEOMETRY, "a3y": f"{10 + n}"}, "l1": "1", "digits": 30} for n in range(200)]
-        answers = list(pool.map(lambda body: client.post("/v1/cusp-tables", json=body), bodies))
+        answers = list(
+            pool.map(lambda body: client.post("/v1/cusp-tables", json=body, headers=NO_WAIT), bodies)
+        )
     refused = [answer for answer in answers if answer.status_code == 503]
     accepted = [answer for answer in answers if answer.status_code == 202]
     assert len(accepted) + len(refused) == 200

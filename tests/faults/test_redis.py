@@ -128,7 +128,7 @@ def primary(redis: Redis) -> None:
 
 
 def no_permission(redis: Redis, _: EmbeddedValkey) -> None:
-    redis.execute_command("ACL SETUSER default -set -evalsha")  # type: ignore[no-untyped-call]
+    redis.execute_command("ACL SETUSER default -set -evalsha -hset")  # type: ignore[no-untyped-call]
 
 
 def permission(redis: Redis) -> None:

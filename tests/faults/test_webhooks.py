@@ -25,7 +25,6 @@ def test_a_receiver_that_says_nothing(tmp_path: Path) -> None:
     settings = {
         "webhook_hosts": "127.0.0.1,localhost",
         "webhook_networks": "127.0.0.0/8",
-        "webhook_allow_http": True,
         "webhook_secret_file": tmp_path / "secrets",
         "webhook_timeout_seconds": TIMEOUT,
     }

@@ -12,8 +12,6 @@ from pathlib import Path
 
 import pytest
 from redis import Redis
-from rq import Queue
-from rq.serializers import JSONSerializer
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, depth, ended
@@ -27,7 +25,6 @@ from tests.support.processes import (
     until,
 )
 from worker.connection import connect
-from worker.jobs import chunks
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -149,26 +146,6 @@ def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, work
     until(lambda: JobQueue(redis).workers() == 0)
     worker.send_signal(signal.SIGCONT)
     until(lambda: JobQueue(redis).workers() == 1)
-
-
-def test_rq_jobs_of_others_are_skipped(redis: Redis, workers: Workers) -> None:
-    """RQ jobs of another program are in the queue. The worker skips each with one line, and continues."""
-    worker = workers.start()
-    queue = chunks.ChunkQueue(redis, WorkerSettings())
-    chunk = {"job_id": "some", "run": "1", "index": 0, "attempt": 0}
-    strangers = [
-        Queue(queue.queues["small"].name, connection=redis).enqueue(os.getpid),  # pickled
-        queue.queues["small"].enqueue("no.such.function", 1),
-        queue.queues["bulk"].enqueue_call("os.getpid", kwargs=chunk, job_id="another"),
-    ]
-    assert queue.queues["small"].serializer == JSONSerializer
-    until(lambda: workers.log.read_text().count("skipped the RQ job") == len(strangers))
-    for stranger in strangers:
-        assert f"skipped the RQ job {stranger.id!r}" in workers.log.read_text()
-    assert workers.log.read_text().count("\n") == len(strangers)
-    assert queue.waiting() == set()
-    assert succeeds(redis)
-    assert worker.poll() is None
 
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT])

@@ -108,7 +108,7 @@ def test_an_address_that_cannot_be_used(tmp_path: Path) -> None:
 
 
 def test_an_invalid_setting(tmp_path: Path) -> None:
-    wrong = [("deadline", -1), ("deadline", "inf"), ("poll_seconds", "soon"), ("shutdown_grace", -1)]
+    wrong = [("deadline_seconds", -1), ("deadline_seconds", "inf"), ("result_ttl_seconds", "soon")]
     for name, value in wrong:
         message = failure(tmp_path, {name: value}, status=2)
         assert message.startswith(f"rpr-cusps serve: RPR_CUSPS_{name.upper()}: ")

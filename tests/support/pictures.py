@@ -30,11 +30,13 @@ def random_robot(rng: Random) -> Manipulator:
 def sheet_of(figure: Figure) -> Any:
     """The sheet of a figure, drawn: matplotlib makes ticks as late as this."""
     from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Sheet
 
     from rpr_solver.notebook.sheet import laid_out
 
     with rc_context(figure.style.sheet()):
-        sheet = laid_out(figure)
+        sheet = laid_out(figure, FigureCanvasAgg(Sheet(dpi=72)).figure)
         sheet.canvas.draw()
     return sheet
 

@@ -128,7 +128,6 @@ def environment(**settings: object) -> dict[str, str]:
     """Returns the environment of a child process: these settings alone, and the path to the hard tasks."""
     inherited = {key: value for key, value in os.environ.items() if not key.startswith("RPR_CUSPS_")}
     paths = [*filter(None, [os.environ.get("PYTHONPATH")]), str(ROOT)]
-    settings = {"niceness": 0, **settings}  # a busy computer would leave nothing to them
     given = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings.items()}
     return {**inherited, "PYTHONPATH": os.pathsep.join(paths), **given}
 

@@ -30,6 +30,7 @@ from unittest.mock import patch
 
 from setproctitle import setproctitle
 
+from worker.limits import CONSTANT
 from worker.process.processes import die_with_parent
 from worker.process.programs import Program
 
@@ -140,8 +141,18 @@ def serve_forks() -> int:
     die_with_parent(parent)
     for module in _LOADED:
         import_module(module)
-    import_module("worker.process.horse").load_solver()
+    horse: Any = import_module("worker.process.horse")
+    horse.load_solver()
+    horse.NICENESS = 0  # a busy computer would leave nothing to them
+    _read_constants_from_the_environment()
     return _forks(socket.socket(fileno=descriptor))
+
+
+def _read_constants_from_the_environment() -> None:
+    """Make settings of all constants: so tests give them to the processes that they start."""
+    for model in import_module("service.cli.serve").models():
+        for field in model.model_fields.values():
+            field.metadata = [mark for mark in field.metadata if mark is not CONSTANT]
 
 
 def _forks(control: socket.socket) -> int:

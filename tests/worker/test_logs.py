@@ -127,7 +127,7 @@ COMMANDS = {
 def test_a_service_that_does_not_start_says_so_in_an_object(name: str) -> None:
     settings = {"RPR_CUSPS_LOG_FORMAT": "json", "RPR_CUSPS_NO_SETTING": "1"}
     if name == "a setting that is none":
-        settings["RPR_CUSPS_MAX_CONNECTIONS"] = "many\nlines"
+        settings["RPR_CUSPS_MAX_SLICES"] = "many\nlines"
     words = [sys.executable, "-m", "service", *COMMANDS[name]]
     program = completed(words, {**environment(), **settings})
     assert program.returncode in (1, 2)

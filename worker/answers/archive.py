@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 FOLDER = "objects"
 _TRAILER = Struct(">Q8s")
 _MAGIC = b"rprcusp1"
+_TIMEOUT = 5.0  # seconds for an answer of the archive: a bucket takes less than one
 _READERS = 16  # threads that may wait for the archive; the others of a process answer from Redis
 _PATIENCE = 1.0  # seconds to wait for a place among them
 _GAP = 1 << 14  # bytes between two results up to which both are read at once
@@ -243,9 +244,9 @@ def index_of(content: bytes) -> list[tuple[str, int, int]]:
 
 
 @cache
-def _opened(url: str, timeout: float, process: int) -> Archive:
+def _opened(url: str, process: int) -> Archive:
     del process  # no thread of the library survives a fork
-    return Archive(url, timeout)
+    return Archive(url, _TIMEOUT)
 
 
 def archive_of(settings: WorkerSettings) -> Archive:
@@ -257,7 +258,7 @@ def archive_of(settings: WorkerSettings) -> Archive:
     if settings.archive_url is None:
         raise ArchiveAwayError("an answer is in an archive, and RPR_CUSPS_ARCHIVE_URL is not set")
     try:
-        return _opened(settings.archive_url, settings.archive_timeout, os.getpid())
+        return _opened(settings.archive_url, os.getpid())
     except ImportError as error:
         raise ArchiveAwayError(f"obstore is missing; {installing('archive')}") from error
     except Exception as error:

@@ -4,7 +4,7 @@ Sizes are read from the texts of a question. Every number counts, in any member,
 question has sizes too; a kind may correct them (`Kind.measure`). The estimates are seconds of one core. They
 grow with each size, and take as long as it takes to read the question once. Here are those of what several
 kinds need. `python -m benchmarks.cost` searches for the questions that take longest for their estimate;
-docs/worker.md has the outcome.
+docs/performance.md has the outcome.
 """
 
 from __future__ import annotations
@@ -37,6 +37,9 @@ _APART = ("geometry", "certificate", "polynomial")
 """Members whose numbers are the manipulator's, or are compared with what is computed from others."""
 
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
+_OF_ROOTS = (
+    3  # bits that take as long as one of six rational numbers: squares and the field have most of them
+)
 _FOUND_QUICKLY = 2000  # bits of squared sides; coordinates over one field take milliseconds up to there
 
 
@@ -173,7 +176,8 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
         numbers = (x for corner in corners for y in (corner.x, corner.y) for x in (y.a, y.b))
         parts = _integers([x.as_integer_ratio() for x in numbers])
     bits = [abs(x).bit_length() for x in parts if x]
-    return _GeometrySizes((max(bits) + 2 * sum(bits) // len(bits)) // 3 + field, scales, nearness, is_special)
+    own = (max(bits) + 2 * sum(bits) // len(bits)) // 3 + field
+    return _GeometrySizes(max(1, own // _OF_ROOTS), scales, nearness, is_special)
 
 
 def _integers(numbers: Sequence[tuple[int, int]]) -> list[int]:
@@ -239,10 +243,11 @@ def one_slice(size: Sizes) -> float:
 def all_events(size: Sizes) -> float:
     """All transitions of a manipulator, and aspects between.
 
-    Measured beside special shapes of 40 digits: 0.3 to 3 s, of 16 digits 0.2 to 1.
+    Measured: 70 ms with sides of 3 digits, 0.7 s with 64 and 1.7 s with 128; beside special shapes of 40
+    digits 0.1 to 3 s, of 16 digits 0.1 to 0.8; flat and congruent triangles 0.2 to 0.8 s.
     """
-    numbers = 0.009 * size.geometry + 2.5e-5 * size.geometry**2 + 2e-4 * size.digits
-    return 0.35 + numbers + 0.005 * size.nearness
+    numbers = 0.0022 * size.geometry + 5e-6 * size.geometry**2 + 2e-4 * size.digits
+    return 0.12 + numbers + 0.006 * size.nearness + 0.25 * size.is_special
 
 
 def _fineness(tolerance: object) -> int:

@@ -217,10 +217,11 @@ def _whole_curves(request: JobRequest) -> JobRequest:
 def curves_cost(size: Sizes) -> float:
     """All transitions, curves between them, and those of each length.
 
-    Transitions of a nearly special shape are close to each other, which makes cusps hard to follow.
+    Transitions of a nearly special shape are close to each other, which makes cusps hard to follow, up to a
+    bound of work.
     """
-    narrow = min(20.0, 0.04 * size.nearness**2)
-    return 1.4 + all_events(size) + narrow + (0.035 + one_slice(size)) * size.count
+    narrow = min(3.5, 0.04 * size.nearness**2)
+    return 0.9 + all_events(size) + narrow + (0.035 + one_slice(size)) * size.count
 
 
 CUSP_CURVES = Kind("cusp-curves", "cc-", curves, curves_cost, derive=derive_curves)

@@ -163,15 +163,14 @@ class Kind:
 class JobRequest:
     """A request for a document, which a job computes.
 
-    `content` is canonical plain JSON, so equal questions are equal requests with one id. `version`: of the
-    solver that is to answer it, or has. Of a request that is `cut`, the content has the hash alone, by which
-    the answer is found. `points`: those by which triangles were given whose coordinates are not found from
-    their sides; they are no part of the question, and no answer depends on them.
+    `content` is canonical plain JSON, so equal questions are equal requests with one id. Of a request that is
+    `cut`, the content has the hash alone, by which the answer is found. `points`: those by which triangles
+    were given whose coordinates are not found from their sides; they are no part of the question, and no
+    answer depends on them.
     """
 
     kind: Kind
     content: Content
-    version: str = SOLVER_VERSION
     points: Points = field(default_factory=dict, compare=False)
 
     @property
@@ -239,7 +238,7 @@ class JobRequest:
             question = [self.geometry_hash, self.fixed_leg, self.digits, self.parts]
         elif self.kind.by_items:  # known before its items are
             question = [self.kind.name, self.content["batch"]]
-        return hashlib.sha256(json.dumps([self.version, *question], sort_keys=True).encode()).hexdigest()
+        return hashlib.sha256(json.dumps([SOLVER_VERSION, *question], sort_keys=True).encode()).hexdigest()
 
     @property
     def is_cut(self) -> bool:
@@ -282,8 +281,6 @@ def in_groups(items: Sequence[T], size: int = HELD_SLICES) -> Iterable[Sequence[
 
 def known_document(request: JobRequest, store: Store) -> Document | None:
     """Returns a document in one piece if it is in the store or follows from stored documents, else None."""
-    if request.version != SOLVER_VERSION:  # another version may cut documents in another way
-        return store.get_document(request)
     return store.get_document(request) or request.kind.derive(request, store)
 
 

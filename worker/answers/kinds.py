@@ -10,11 +10,10 @@ import json
 import secrets
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import FEW_SLICES, Progress
-from rpr_solver.errors import InputError
 from worker.answers.censuses import CENSUS, CHECK, MARGIN
 from worker.answers.cost import Sizes, elimination_at_one
 from worker.answers.designs import DESIGN
@@ -27,7 +26,7 @@ from worker.answers.documents import (
     VERIFICATION,
 )
 from worker.answers.kind import Document, JobRequest, Kind, SliceJson, Store, answer, known_document
-from worker.answers.layout import dump
+from worker.answers.layout import dump, eliminant_ttl
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.store import ResultStore
 from worker.answers.tables import (
@@ -39,9 +38,6 @@ from worker.answers.tables import (
     solved,
     stored_table,
 )
-
-if TYPE_CHECKING:
-    from worker.settings import WorkerSettings
 
 KINDS: tuple[Kind, ...] = (
     CUSP_TABLE,
@@ -136,18 +132,6 @@ def request_from_json(text: str | bytes) -> JobRequest:
     """The inverse of :meth:`JobRequest.to_json`."""
     record = json.loads(text)
     return JobRequest(kind_named(record["kind"]), record["content"], points=record.get("points", {}))
-
-
-def check_lifetimes(settings: WorkerSettings) -> None:
-    """Check that each lifetime is that of a kind that there is.
-
-    Raises:
-        InputError: one is not.
-    """
-    known = sorted(kind.name for kind in KINDS)
-    if bad := [name for name, _ in settings.result_ttls if name not in known]:
-        message = f"{', '.join(map(repr, bad))}: no such kind; known are {', '.join(known)}"
-        raise InputError.of("RPR_CUSPS_RESULT_TTLS", message)
 
 
 _KNOWN_SECONDS = 0.001  # to find that an answer is known
@@ -265,10 +249,11 @@ def new_manipulators(store: ResultStore, requests: Iterable[JobRequest]) -> set[
     Notes that slices are asked for now.
     """
     found = list(dict.fromkeys((request.geometry_hash, request.fixed_leg) for request in requests))
+    ttl = eliminant_ttl(store.settings)
     with store.redis.pipeline(transaction=False) as pipe:
         for of in found:
             pipe.exists(store.keys.eliminant(*of), store.keys.digits(*of))
-            pipe.set(store.keys.eliminant_use(*of), 1, nx=True, ex=store.settings.eliminant_ttl)
+            pipe.set(store.keys.eliminant_use(*of), 1, nx=True, ex=ttl)
         replies = iter(pipe.execute())
     return {of for of, kept, is_first in zip(found, replies, replies, strict=True) if is_first and not kept}
 

@@ -31,13 +31,22 @@ _ERROR = b'"error":{'
 _encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
 _LEVEL = 1  # half the bytes in a twentieth of the time of a slice; a higher level saves two per cent more
 
-UNNAMED = "4"
-"""The version of the solver that had no version in the names of its jobs and documents, and keeps them."""
+
+ERROR_TTL = 600
+"""Seconds that a slice's error is kept and other jobs reuse it: its cause may be gone afterwards."""
+
+ARCHIVE_TTL = 365 * 86400
+"""Seconds that an answer stays in the archive, since it was moved or asked for last: objects cost little."""
 
 
-def kind_of(name: str, version: str) -> str:
-    """Returns a kind of keys as it stands in their names, so that no two versions of the solver share one."""
-    return name if version == UNNAMED else f"{name}-{version}"
+def eliminant_ttl(settings: WorkerSettings) -> int:
+    """Returns the seconds that an eliminant is kept: it serves all slices of a geometry, and outlives them."""
+    return 4 * settings.result_ttl_seconds
+
+
+def lifetimes(settings: WorkerSettings) -> list[int]:
+    """Returns the lifetimes that a result may have, in seconds, ascending."""
+    return sorted({settings.result_ttl_seconds, *([ARCHIVE_TTL] if settings.archive_url else [])})
 
 
 @dataclass(frozen=True)
@@ -49,8 +58,8 @@ class ResultKeys:
 
     @classmethod
     def of(cls, settings: WorkerSettings) -> ResultKeys:
-        """Returns those of an installation and the version of the solver that is meant."""
-        return cls(settings.key_prefix, settings.solver_version)
+        """Returns those of an installation."""
+        return cls(settings.key_prefix)
 
     def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
         """A slice's result; its content never changes. `z`: it is compressed, see `pack`."""
@@ -105,7 +114,7 @@ class ResultKeys:
         return f"{self.prefix}:{kind}:{self.version}:{geometry_hash.removeprefix('sha256:')}:{fixed_leg}"
 
     def _by_hash(self, kind: str, name: str) -> str:
-        return f"{self.prefix}:{kind_of(kind, self.version)}:{name}"
+        return f"{self.prefix}:{kind}-{self.version}:{name}"
 
 
 @dataclass(frozen=True)

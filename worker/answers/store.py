@@ -15,11 +15,14 @@ from rpr_solver.contract import FEW_SLICES
 from worker.answers.kind import Document, JobRequest, Kept, SliceJson, Store, single_flight
 from worker.answers.layout import (
     AWAY,
+    ERROR_TTL,
     HEAD_BYTES,
     Measured,
     ResultKeys,
     address_in,
     dump,
+    eliminant_ttl,
+    lifetimes,
     measured_by,
     pack,
     unpack,
@@ -95,7 +98,6 @@ class Values:
 T = TypeVar("T")
 
 _MEASURED_AT_ONCE = 512
-_SLICES = "cusp-table"  # the kind whose parts are slices
 
 
 class SliceStore(Values, Store):
@@ -179,7 +181,7 @@ class SliceStore(Values, Store):
         if not slices:
             return
         answers = {l1: value for l1, value in slices.items() if "error" not in value}
-        are_known = self.renew(request, self.slice_keys(request, list(answers))) if answers else []
+        are_known = self.renew(self.slice_keys(request, list(answers))) if answers else []
         new = {
             l1: value
             for (l1, value), is_known in zip(answers.items(), are_known, strict=True)
@@ -188,9 +190,9 @@ class SliceStore(Values, Store):
         if new:
             self.put_slices(request, new)
 
-    def renew(self, request: JobRequest, keys: Sequence[str]) -> list[bool]:
-        """Renew the lifetime of results of a request; returns which of them are known."""
-        ttl = self.settings.lifetime(request.kind.name)
+    def renew(self, keys: Sequence[str]) -> list[bool]:
+        """Renew the lifetime of results; returns which of them are known."""
+        ttl = self.settings.result_ttl_seconds
         return [bool(is_known) for is_known in self._run("renew", results=keys, ttl=ttl)]
 
     def put_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
@@ -199,14 +201,14 @@ class SliceStore(Values, Store):
 
     def put_tables(self, tables: Iterable[tuple[JobRequest, Mapping[str, SliceJson]]]) -> None:
         """Keep slices of several requests, of each at most some hundreds, in one step."""
-        ttl, results = self.settings.lifetime(_SLICES), {}
+        ttl, results = self.settings.result_ttl_seconds, {}
         with self.redis.pipeline(transaction=False) as pipe:
             for request, slices in tables:
                 for key, value in zip(self.slice_keys(request, list(slices)), slices.values(), strict=True):
-                    results[key] = (self.settings.error_ttl if "error" in value else ttl, packed(value))
+                    results[key] = (ERROR_TTL if "error" in value else ttl, packed(value))
                 known = self.keys.digits(request.geometry_hash, request.fixed_leg)
                 pipe.sadd(known, request.digits)
-                pipe.expire(known, self.settings.longest_lifetime)
+                pipe.expire(known, lifetimes(self.settings)[-1])
             pipe.execute()
         self.keep(results)
 
@@ -227,7 +229,7 @@ class ResultStore(SliceStore):
 
     def put_eliminant(self, request: JobRequest, eliminant: rpr_solver.Eliminant) -> None:
         """Keep the eliminant of the request's geometry."""
-        of, ttl = (request.geometry_hash, request.fixed_leg), self.settings.eliminant_ttl
+        of, ttl = (request.geometry_hash, request.fixed_leg), eliminant_ttl(self.settings)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.set(self.keys.eliminant(*of), dump(eliminant.to_json()), ex=ttl)
             pipe.set(self.keys.eliminant_use(*of), 1, ex=ttl)
@@ -252,7 +254,7 @@ class ResultStore(SliceStore):
     def _is_first_use(self, request: JobRequest) -> bool:
         """Whether the eliminant was not asked for before, so that it is not known; notes that it was."""
         key = self.keys.eliminant_use(request.geometry_hash, request.fixed_leg)
-        return bool(self.redis.set(key, 1, nx=True, ex=self.settings.eliminant_ttl))
+        return bool(self.redis.set(key, 1, nx=True, ex=eliminant_ttl(self.settings)))
 
     def get_documents(self, requests: Sequence[JobRequest]) -> list[Document | None]:
         """Returns documents that were computed in one piece, or None for those that are not known."""
@@ -278,7 +280,7 @@ class ResultStore(SliceStore):
         """Keep a document, the first of several."""
         text = document.text if isinstance(document, Kept) else dump(document)
         key = self.keys.document(request.content_hash)
-        self.keep({key: (self.settings.lifetime(request.kind.name), text)})
+        self.keep({key: (self.settings.result_ttl_seconds, text)})
 
     def answer_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to lock the answer to a question; gives False if another worker holds the lock."""
@@ -286,14 +288,14 @@ class ResultStore(SliceStore):
 
     def renew_document(self, request: JobRequest) -> bool:
         """Renew the lifetime of a known document; returns False if it is not known."""
-        return self.renew(request, [self.keys.document(request.content_hash)])[0]
+        return self.renew([self.keys.document(request.content_hash)])[0]
 
     def note_census(self, family: JobRequest, digits: int) -> None:
         """Note that a census of this family is known with this number of digits."""
         key = self.keys.census_digits(family.content_hash)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.sadd(key, digits)
-            pipe.expire(key, self.settings.longest_lifetime)
+            pipe.expire(key, lifetimes(self.settings)[-1])
             pipe.execute()
 
     def census_digits(self, family: JobRequest) -> list[int]:

@@ -64,8 +64,7 @@ class StoredTable:
     @property
     def head(self) -> dict[str, Any]:
         """The members of the document before the slices."""
-        head = document_head(self.request, self.request.digits, self.request.fixed_leg)
-        return {**head, "solver_version": self.request.version}
+        return document_head(self.request, self.request.digits, self.request.fixed_leg)
 
     @cached_property
     def size(self) -> int:
@@ -132,9 +131,7 @@ def stored_table(
         found[l1] = StoredSlice(l1, measured(text), request.digits, text)
     absent = [l1 for l1 in request.parts if l1 not in found]
     found |= _known(request, store, absent)
-    is_complete = len(found) == len(request.parts) or request.version != rpr_solver.SOLVER_VERSION
-    longer = iter([]) if is_complete else iter(store.more_digits(request))
-    for digits in longer:
+    for digits in () if len(found) == len(request.parts) else store.more_digits(request):
         absent = [l1 for l1 in request.parts if l1 not in found]
         found |= _shortened(request, store, absent, digits)
         if len(found) == len(request.parts):

@@ -21,6 +21,7 @@ from redis.exceptions import OutOfMemoryError
 from worker.answers.archive import Archive, ArchiveAwayError, archive_of
 from worker.answers.layout import (
     ADDRESS_BYTES,
+    ARCHIVE_TTL,
     AWAY,
     HEAD_BYTES,
     Address,
@@ -40,6 +41,7 @@ _SMALLEST = 256  # bytes from which on an address is much shorter
 _OBJECT_BYTES, _OBJECT_RESULTS = 4 << 20, 4000
 _FEW_BYTES = 1 << 20  # of which no object is made yet
 _TOGETHER_BYTES = 32 << 20  # that are sorted before they are packed
+_LARGE = 1 << 16  # bytes from which on an answer moves once it is settled: few of them fill the memory
 _SETTLED = 60.0  # seconds after which a large answer moves
 _SHARE = 0.75  # of the size from which on old results are removed: from here on young ones move, too
 _AT_ONCE = 500
@@ -152,15 +154,13 @@ class Mover(InRedis):
 
     def _is_due(self, one: _Candidate) -> bool:
         settings = self.settings
-        is_large = one.size >= settings.archive_bytes and one.age >= min(_SETTLED, settings.archive_after)
+        is_large = one.size >= _LARGE and one.age >= min(_SETTLED, settings.archive_after)
         return is_large or one.age >= settings.archive_after
 
     def _is_late(self, waiting: Sequence[_Candidate]) -> bool:
         """Whether some have waited long enough for others to share an object with."""
         settings = self.settings
-        return any(
-            one.age >= 2 * settings.archive_after or one.size >= settings.archive_bytes for one in waiting
-        )
+        return any(one.age >= 2 * settings.archive_after or one.size >= _LARGE for one in waiting)
 
     def _pack(self, chosen: Sequence[_Candidate]) -> int:
         """Move some answers into one object; returns how many."""
@@ -189,7 +189,7 @@ class Mover(InRedis):
             self._run(
                 "replace",
                 results=[one.key for one in moved],
-                ttl=self.settings.archive_ttl,
+                ttl=ARCHIVE_TTL,
                 values=[part for pair in values for part in pair],
             )
         )
@@ -224,7 +224,7 @@ def keep_moving(redis: Redis, settings: WorkerSettings, seconds: float) -> bool:
         mover = Mover(redis, settings, archive_of(settings))
         moved = mover.move(seconds)
         if mover.is_to_collect():
-            mover.collect(settings.archive_ttl + 86400)
+            mover.collect(ARCHIVE_TTL + 86400)
     except ArchiveAwayError as error:
         log.warning("answers stay in Redis: %s", error)
         Inventory(redis, settings).relieve(is_last_resort=True)  # as without an archive

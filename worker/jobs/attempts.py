@@ -157,7 +157,7 @@ class Attempts(InRedis):
             index=ref.index,
             is_last=is_last,
             of=of,
-            ttl=self.settings.job_ttl,
+            ttl=self.settings.result_ttl_seconds,
             parts=parts,
         )
         return bool(reply == 1)
@@ -174,7 +174,7 @@ class Attempts(InRedis):
             run=ref.run,
             status="succeeded" if own is request else "stopped",
             problem="" if own is request else own.content_hash,
-            ttl=self.settings.job_ttl,
+            ttl=self.settings.result_ttl_seconds,
         )
 
     def put_progress(self, ref: ChunkRef, done: int, total: int) -> bool:

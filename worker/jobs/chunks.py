@@ -22,7 +22,7 @@ from rq.job import Job
 from rq.queue import EnqueueData
 from rq.serializers import JSONSerializer
 
-from worker.jobs.keys import InRedis
+from worker.jobs.keys import FAILURE_TTL, InRedis
 from worker.jobs.plan import LANES, SMALL_LIMIT, Lane, queue_name
 from worker.settings import WorkerSettings
 
@@ -137,14 +137,14 @@ class ChunkQueue(InRedis):
             job_id=ref.rq_id,
             timeout=self.limit(entry.lane),
             result_ttl=KEPT_SECONDS,
-            failure_ttl=self.settings.failure_ttl,
+            failure_ttl=FAILURE_TTL,
             description=about,
             at_front=at_front,
         )
 
     def limit(self, lane: Lane) -> int:
         """Returns the seconds that a chunk of a lane may take."""
-        return SMALL_LIMIT if lane == "small" else math.ceil(self.settings.deadline)
+        return SMALL_LIMIT if lane == "small" else math.ceil(self.settings.deadline_seconds)
 
     def discard(self, rq_ids: Iterable[str]) -> None:
         """Delete attempts that are out of date, wherever RQ has them; one that runs its worker ends."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from redis import Redis
 
-from worker.answers.layout import UNNAMED
+from worker.answers.layout import eliminant_ttl, lifetimes
 from worker.jobs.keys import InRedis, Keys
 from worker.settings import WorkerSettings
 
@@ -156,10 +156,8 @@ class Inventory(InRedis):
         name, _, rest = key.removeprefix(self._prefix).decode(errors="replace").partition(":")
         if name in _WITHIN:
             return name, rest.partition(":")[0]
-        if name in KINDS:
-            return name, UNNAMED
         kind, _, version = name.rpartition("-")
-        return (kind, version) if kind in KINDS and kind not in _WITHIN else (OTHER, UNNAMED)
+        return (kind, version) if kind in KINDS and kind not in _WITHIN else (OTHER, "")
 
     def _lifetime(self, kind: str, left: float) -> float:
         """The lifetime of a kind; where there are several, the shortest that can have this much left.
@@ -168,11 +166,11 @@ class Inventory(InRedis):
         """
         settings = self.settings
         if kind in ("job", "question"):
-            return settings.job_ttl
+            return settings.result_ttl_seconds
         if kind == "eliminant":
-            return settings.eliminant_ttl
-        lifetimes = settings.lifetimes
-        return next((ttl for ttl in lifetimes if ttl >= left), lifetimes[-1])
+            return eliminant_ttl(settings)
+        found = lifetimes(settings)
+        return next((ttl for ttl in found if ttl >= left), found[-1])
 
     def _not_needed(self, items: Iterable[StoredKey]) -> list[StoredKey]:
         """Returns those that no active job of their version can need."""

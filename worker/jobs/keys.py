@@ -7,9 +7,11 @@ from typing import NamedTuple, cast
 from redis import Redis
 
 from rpr_solver import SOLVER_VERSION
-from worker.answers.layout import kind_of
 from worker.lua import Scripts
 from worker.settings import WorkerSettings
+
+FAILURE_TTL = 86400
+"""Seconds that a failed or canceled job is kept: whoever asked for it reads why within a day."""
 
 
 class JobKeys(NamedTuple):
@@ -71,7 +73,7 @@ class Keys:
 
     def job(self, job_id: str) -> JobKeys:
         """Returns the keys of a job."""
-        base = f"{self.prefix}:{kind_of('job', self.version)}:{job_id}"
+        base = f"{self.prefix}:job-{self.version}:{job_id}"
         return JobKeys(base, *(f"{base}:{name}" for name in JobKeys._fields[1:]))
 
     def names(self, job_id: str) -> dict[str, str]:
@@ -100,7 +102,7 @@ class Keys:
 
     def client(self, client: str) -> str:
         """Returns the key of what a client holds."""
-        return f"{self.prefix}:{kind_of('client', self.version)}:{client}"
+        return f"{self.prefix}:client-{self.version}:{client}"
 
 
 class InRedis:

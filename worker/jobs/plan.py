@@ -110,7 +110,7 @@ def queue_name(lane: Lane, settings: WorkerSettings) -> str:
 
     Each version of the solver has its own, so a worker never takes a chunk of another version.
     """
-    return f"{settings.queue_name}-{settings.solver_version}-{lane}"
+    return f"{settings.key_prefix}-{settings.solver_version}-{lane}"
 
 
 def lanes_of(duty: Duty) -> tuple[Lane, ...]:

@@ -81,7 +81,9 @@ class JobQueue(InRedis):
             return True
         text = zlib.compress(as_kept(request).to_json().encode(), 1)
         try:
-            self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
+            self.redis.set(
+                self.store.keys.question(request.job_id), text, ex=self.settings.result_ttl_seconds
+            )
         except RedisError:
             return False
         if len(self._remembered) >= _MAX_REMEMBERED:

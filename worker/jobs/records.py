@@ -20,7 +20,7 @@ from worker.answers import JobRequest
 from worker.answers.kinds import as_kept, is_batch, request_from_json
 from worker.answers.layout import dump, unpack
 from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, entry_from_json
-from worker.jobs.keys import InRedis, seconds_of
+from worker.jobs.keys import FAILURE_TTL, InRedis, seconds_of
 from worker.jobs.plan import Plan, QueueFullError
 from worker.jobs.view import ACTIVE, JobView, QueuePosition, job_view, view_of
 from worker.logs import subject
@@ -223,7 +223,7 @@ class JobRecords(InRedis):
             self._list(pipe, job_id, now, by)
         event = pipe.execute()[1].decode()
         if not plan.chunks:
-            self.end(job_id, run, "succeeded", ttl=self.settings.job_ttl)
+            self.end(job_id, run, "succeeded", ttl=self.settings.result_ttl_seconds)
             return self.view(job_id)
         return job_view(job_id, fields, event)
 
@@ -238,9 +238,9 @@ class JobRecords(InRedis):
             int(value or 0) for value in cast("list[bytes | None]", pipe.hmget(self.keys.work, names))
         )
         waiting = max(0, added - done) / 1000
-        if waiting + plan.seconds > self.settings.max_backlog and plan.chunks:
+        if waiting + plan.seconds > self.settings.max_backlog_seconds and plan.chunks:
             workers = max(1, self.chunks.workers(plan.lane)[0])
-            is_too_much = waiting + plan.seconds > self.settings.max_backlog * workers
+            is_too_much = waiting + plan.seconds > self.settings.max_backlog_seconds * workers
             if is_too_much and pipe.zcard(self.keys.queued(plan.lane)):
                 raise QueueFullError(plan.lane, waiting / workers)
         return added
@@ -305,7 +305,7 @@ class JobRecords(InRedis):
             run=run,
             status=status,
             problem=problem,
-            ttl=ttl or self.settings.failure_ttl,
+            ttl=ttl or FAILURE_TTL,
         )
         if has_ended:
             self._withdraw(chunks)

@@ -26,6 +26,9 @@ from worker.process.processes import (
 )
 from worker.settings import WorkerSettings
 
+NICENESS = 10
+"""By how much work horses leave the cores to others (nice): the API answers known questions meanwhile."""
+
 UNRECORDED = 75
 """The exit status of a work horse that could not record its outcome, because Redis did not take it."""
 
@@ -80,7 +83,7 @@ class Horse:
                     self.close()
                     random.seed()
                     limit_memory(settings.memory_limit_mb)
-                    os.nice(settings.niceness)  # the API answers known questions meanwhile
+                    os.nice(NICENESS)
                     os._exit(_serve(orders, ends, perform))
                 os._exit(1)
         with contextlib.suppress(OSError):

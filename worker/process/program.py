@@ -12,7 +12,6 @@ import time
 from redis.exceptions import RedisError
 
 from worker import tracing
-from worker.answers.kinds import check_lifetimes
 from worker.connection import Search, UnreachableError, connect, eviction_warning
 from worker.logs import set_up
 from worker.process.horse import load_solver
@@ -38,11 +37,10 @@ def run_worker(
     gone. If Redis is not there yet, it waits for it.
 
     Raises:
-        ValidationError, InputError: a setting is invalid.
+        ValidationError: a setting is invalid.
         WorkerError: Redis cannot be used, and will not be by waiting.
     """
     settings = WorkerSettings()
-    check_lifetimes(settings)
     level = (settings.log_level or "INFO").upper()
     set_up(level, settings.log_format)
     tracing.prepare("worker")

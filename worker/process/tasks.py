@@ -124,7 +124,7 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int, first: int, last:
 
 def _beat_alone(own: Context, ref: ChunkRef) -> None:
     """Say that the attempt runs until its time is over, since a worker of RQ alone sends no heartbeats."""
-    seconds = int(own.settings.deadline) + _STOCK_SECONDS
+    seconds = int(own.settings.deadline_seconds) + _STOCK_SECONDS
     own.redis.set(Keys.of(own.settings).beat(ref.rq_id), "rq", ex=seconds)
 
 
@@ -242,7 +242,7 @@ def _answer_items(own: Context, ref: ChunkRef, chunk: Chunk, attempts: Attempts)
 
     def outcome_of(position: int, request: JobRequest) -> Outcome:
         if is_single and own.is_horse:
-            set_deadline(own.settings.deadline)  # a whole one for each item
+            set_deadline(own.settings.deadline_seconds)  # a whole one for each item
         return _outcome(solver, request, position)
 
     group = Group(keep, one_by_one=is_single, seconds=ITEMS_SECONDS)
@@ -306,7 +306,7 @@ class Reporter(Observer):
     def __init__(self, ref: ChunkRef, attempts: Attempts, report: Progress) -> None:
         super().__init__(Throttle(report))
         self._ref, self._attempts = ref, attempts
-        whole = attempts.settings.deadline
+        whole = attempts.settings.deadline_seconds
         self._end = time.monotonic() + whole - min(_PROOF_SECONDS, whole / 3)
 
     def improved(self, one: Document) -> None:

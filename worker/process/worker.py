@@ -30,7 +30,7 @@ from rq.timeouts import BaseDeathPenalty
 from rq.worker import WorkerStatus
 
 from rpr_solver.errors import InputError, SolverError
-from worker.connection import SOCKET_TIMEOUT, address, patient
+from worker.connection import address, patient
 from worker.jobs.chunks import ChunkQueue, ChunkRef, ref_of
 from worker.jobs.interruptions import Cause, Interruptions
 from worker.jobs.plan import lanes_of
@@ -150,8 +150,8 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
 
     @property
     def connection_timeout(self) -> int:
-        """The longest time for an answer of Redis: RQ would raise it to minutes."""
-        return int(SOCKET_TIMEOUT)
+        """The least time to wait for an answer of Redis: RQ would raise that of the connection to minutes."""
+        return 0
 
     # -- the loop ----------------------------------------------------------------------------------
 

@@ -20,6 +20,7 @@ from service.api.batches.rows import Rows, read_item
 from service.api.caller import Admission, Caller, caller_of, client_of
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
+from service.api.settings import RETRY_SECONDS
 from service.schemas.answers import CSV, JSON, NDJSON
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import Item, new_batch, seconds_after
@@ -242,7 +243,7 @@ async def _repeated(
     raise ProblemError(
         ProblemType.SUBMISSION_IN_PROGRESS,
         "A batch with this Idempotency-Key is still being received; ask again in a moment.",
-        retry_s=context.settings.retry_seconds,
+        retry_s=RETRY_SECONDS,
     )
 
 

@@ -34,7 +34,7 @@ from service.api.forms import media_range
 from service.api.http.transport import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import Settings, here, prefixed, without_prefix
+from service.api.settings import RETRY_SECONDS, Settings, here, prefixed, without_prefix
 from worker import tracing
 from worker.answers.archive import ArchiveAwayError
 from worker.connection import is_refusal
@@ -263,7 +263,7 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     return ProblemError(
         ProblemType.UNAVAILABLE,
         f"The {what} cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",
-        retry_s=context.settings.retry_seconds,
+        retry_s=RETRY_SECONDS,
     )
 
 

@@ -21,12 +21,13 @@ from uvicorn.protocols.http.httptools_impl import STATUS_LINE, HttpToolsProtocol
 from rpr_solver.errors import clipped
 from service.api.http.transport import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import PEER, Settings, prefixed
+from service.api.settings import PEER, REDIS_CONNECTIONS, STREAM_CONNECTIONS, Settings, prefixed
 
 _OTHER_FILES = 64  # log, listener, static files, …
 _MIN_CONNECTIONS = 16
 _MAX_DISCARDED = 64 << 20  # bytes of a body after its answer
 _MAX_WAITING = 100  # requests of a connection that have been read, and wait for an answer before theirs
+_MAX_HEADER_BYTES = 32 << 10  # twice what browsers and proxies send at most
 _ABSOLUTE = re.compile(rb"https?://([^/?#@]+)(/[^?]*)?(\?.*)?", re.IGNORECASE | re.DOTALL)
 
 
@@ -44,7 +45,7 @@ def most_connections(settings: Settings) -> int:
     files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if files == resource.RLIM_INFINITY:
         return settings.max_connections
-    left = files - _OTHER_FILES - settings.redis_connections - settings.stream_connections
+    left = files - _OTHER_FILES - REDIS_CONNECTIONS - STREAM_CONNECTIONS
     return min(settings.max_connections, max(_MIN_CONNECTIONS, left, files // 4))
 
 
@@ -165,7 +166,7 @@ class LimitedProtocol(HttpToolsProtocol):
             return
         if self._part == "head" and self._begun == (not part):  # else a part of the bytes was another request
             self._head_bytes += len(data)
-            if self._head_bytes > self.settings.max_header_bytes:
+            if self._head_bytes > _MAX_HEADER_BYTES:
                 self._refuse(ProblemType.HEADERS_TOO_LARGE, self._too_large())
 
     def on_message_begin(self) -> None:
@@ -196,7 +197,7 @@ class LimitedProtocol(HttpToolsProtocol):
         """Refuse a head whose body could end at two places, or whose host could be another one."""
         version, fields = self.parser.get_http_version(), self.headers
         size = len(self.url) + sum(len(name) + len(value) + len(": \r\n") for name, value in fields)
-        if size > self.settings.max_header_bytes:
+        if size > _MAX_HEADER_BYTES:
             self._fail(self._too_large(), ProblemType.HEADERS_TOO_LARGE)
         if version not in ("1.0", "1.1"):
             self._fail("its version of HTTP is not 1.1 or 1.0")
@@ -239,7 +240,7 @@ class LimitedProtocol(HttpToolsProtocol):
         raise ValueError(why)
 
     def _too_large(self) -> str:
-        return f"the header fields may have {self.settings.max_header_bytes} bytes (max_header_bytes)"
+        return f"the header fields may have {_MAX_HEADER_BYTES} bytes (max_header_bytes)"
 
     # -- what is answered --------------------------------------------------------------------------
 

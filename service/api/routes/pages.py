@@ -30,7 +30,7 @@ from service.api.context import ContextDep
 from service.api.contract import responses as doc
 from service.api.forms import json_answer
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import here
+from service.api.settings import RETRY_SECONDS, here
 from service.commit import commit
 from service.schemas.answers import json_bytes
 from service.schemas.geometry import SixNumbers, schema_of_geometry
@@ -258,7 +258,7 @@ async def readyz(context: ContextDep) -> Response:
     if state.workers:
         return json_answer({"status": "ready", "workers": state.workers, "warnings": state.warnings})
     detail = "No workers of this solver version are running; jobs would stay queued."
-    raise ProblemError(ProblemType.NO_WORKER, detail, retry_s=context.settings.retry_seconds)
+    raise ProblemError(ProblemType.NO_WORKER, detail, retry_s=RETRY_SECONDS)
 
 
 @status.get(

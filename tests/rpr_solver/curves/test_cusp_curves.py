@@ -103,6 +103,19 @@ def test_every_family_agrees_with_its_census(name: str, fixed_leg: int) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+@pytest.mark.parametrize("sides", [(8, 4, 3, 8, 5, 5), (6, 3, 4, 6, 5, 5)])
+def test_mirrored_congruent_isosceles_triangles_have_all_curves(
+    sides: tuple[int, ...], fixed_leg: int
+) -> None:
+    """Their poses are symmetric, so curves meet in pairs, beside curves of singular poses that stay."""
+    m = Manipulator(*sides, orientation="cw")
+    curves = curves_of(m, fixed_leg)
+    check_ends(curves)
+    agrees_with(curves, census_of(m, fixed_leg))
+
+
+@pytest.mark.long
 def test_a_cusp_that_passes_a_degenerate_pose_begins_a_new_curve() -> None:
     """With leg 2 fixed the right-angled manipulator has six cusps near L2 = 16, and five and a node at it."""
     curves = curves_of(family("right angles"), 2)

@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, solve_slice
+from rpr_solver.curves import follower as follower_module
 from rpr_solver.curves.follower import Cusp, Follower, Lost, Tracker
 from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
 from rpr_solver.model.jets import HalfTangent
@@ -221,6 +222,13 @@ def test_where_the_first_two_cusps_are_born_they_meet_each_other() -> None:
     below, above = Fraction("0.4"), Fraction(1)
     assert tracker.table(below).count == 0
     assert all_from(tracker, above, below) == {0: (above, 1), 1: (above, 0)}
+
+
+def test_curves_that_take_too_many_tubes_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(follower_module, "_MOST_WORK", 20)
+    tracker = Tracker(eliminant_of(FLAT), DIGITS)
+    with pytest.raises(Unproved, match="bound of work"):
+        all_from(tracker, Fraction("34.6"), Fraction("36.2"))
 
 
 def test_no_more_is_done_once_a_slice_is_full() -> None:

@@ -5,6 +5,7 @@ from flint import arb, fmpq_poly, nmod_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import (
     Algebraic,
     BallRoot,
@@ -159,3 +160,23 @@ def test_forms_without_a_common_root_and_forms_that_are_zero() -> None:
     assert common_roots([one, one], [-one, one], one) == []
     assert common_roots([one, zero], [one, one], one) == []
     assert common_roots([zero, zero], [zero], one) is None
+
+
+def test_a_root_is_adjoined_to_a_larger_field() -> None:
+    """With a cubic over a field of degree 8, whose norm may have factors."""
+    field = field_of([7, -3, 0, 5, -11, 2, 0, -4, 1])
+    x = field.generator
+    cubic = [x * x - 3, field(-5), x, field(2)]
+    extensions = list(adjoin_real_roots(field, cubic))
+    assert extensions
+    for extension in extensions:
+        assert evaluate([extension.lift(c) for c in cubic], extension.root).is_zero
+        modulus = [extension.root.field(c) for c in field.modulus.coeffs()]
+        assert evaluate(modulus, extension.generator).is_zero
+        assert value(extension.generator) == pytest.approx(value(x))
+
+
+def test_an_inverse_that_takes_too_long_is_refused() -> None:
+    field = field_of([3, *[0] * 62, -5, 1])
+    with pytest.raises(Unproved, match="degree 64"):
+        field(fmpq_poly([10**3000 + k for k in range(64)])).inverse()

@@ -93,7 +93,7 @@ def test_new_axes_are_those_of_pyplot() -> None:
     plt.switch_backend("agg")
     ax = EXAMPLES["innocenti"].plot()
     assert ax is plt.gca()
-    assert ax.get_title() == "Manipulator at α = 0"
+    assert "Manipulator at α = 0" in [text.get_text() for text in plt.gcf().texts]
     plt.close("all")
 
 
@@ -122,6 +122,14 @@ def test_extreme_lengths_are_drawn_or_refused_by_name(lengths: tuple[Any, ...], 
             robot.figure()
     else:
         check(robot.figure())
+
+
+@pytest.mark.parametrize(("power", "said"), [(200, "a larger unit"), (-200, "a smaller unit")])
+def test_answers_in_units_that_axes_cannot_show_are_refused_by_name(power: int, said: str) -> None:
+    robot = Manipulator(*(f"{x}e{power}" for x in ("15.91", 0, 10, "17.04", "16.54", "20.84")))
+    answer = leg_poses(robot, {"l1": f"17e{power}", "l3": f"15e{power}"}, digits=15)
+    with pytest.raises(InputError, match=rf"^geometry: .* is too (large|small) to be drawn; .*{said}$"):
+        answer.figure()
 
 
 def test_what_is_missing_is_named() -> None:

@@ -10,6 +10,7 @@ from rpr_solver import Manipulator, census
 from rpr_solver.exact.biform import BiForm, T
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.transitions import isolated_events
 from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.isolated_events import BallEvent, _located, events
 from rpr_solver.transitions.vanishing import level, vanishes
@@ -21,6 +22,8 @@ PRINTED = Manipulator(10, 5, "8.660254037844386", *["1.7320508075688772"] * 3)
 """The same as programs print it."""
 RIGHT = family("right angles")
 BESIDE = replace(RIGHT, d2=RIGHT.d2 * (1 + Fraction(1, 1000)))
+SIDES = "7.211102550927979", "10.19803902718557", "7.211102550927979"
+"""Of a platform beside a right isosceles triangle."""
 TWO_ANGLES = Manipulator("-44.8", -16, "38.4", "44.7999552", 48, "41.6")
 """Nearly congruent and mirrored; leg 3 has length 0 at two angles."""
 
@@ -68,6 +71,29 @@ def test_a_root_at_which_the_leg_has_no_length_is_told_from_the_others(m: Manipu
         assert closes == (_located(system, root, 4096) is None)
         found.append(closes)
     assert set(found) == {True, False}
+
+
+def roots(base: list[str], platform: list[str]) -> Manipulator:
+    return Manipulator.from_json({"base": {"sides": base}, "platform": {"sides": platform}})
+
+
+@pytest.mark.parametrize(
+    ("m", "leg"),
+    [
+        # L of a ball equals an exact length
+        (roots(["7", "5.9", "7"], ["16.3", "16.300000000163", "16.3"]), 1),
+        # a leg has length 0 where the triangles are nearly congruent
+        (roots(["9.7", "16.53", "17.5"], ["9.7", "16.5299999999998347", "17.5"]), 3),
+        # a symmetry's image, close to another root
+        (Manipulator("7.071067811865475", 0, "7.071067811865475", *SIDES), 1),
+    ],
+)
+def test_beside_a_special_shape_no_event_needs_a_number_field(
+    m: Manipulator, leg: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BallEvent, "exact", None)
+    monkeypatch.setattr(isolated_events, "exact_counterparts", None)
+    assert census(m, fixed_leg=leg, digits=15).transitions
 
 
 @pytest.mark.parametrize("exponent", [16, 40])

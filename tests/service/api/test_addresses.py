@@ -221,7 +221,7 @@ def test_an_address_ends_with_its_answer(api: httpx.Client, redis: Redis, fresh:
     both = asked(api, "/v1/cusp-tables", l1=[first, second])
     address = both.headers["content-location"]
     key = JobQueue(redis).store.keys.question(address.split("/")[3])
-    assert 0 < redis.ttl(key) <= JobQueue(redis).settings.job_ttl
+    assert 0 < redis.ttl(key) <= JobQueue(redis).settings.result_ttl_seconds
     redis.delete(key)
     # in another form than the one that the API keeps for a minute
     assert api.get(address, headers={"Accept": "text/csv"}).status_code == 404

@@ -21,7 +21,7 @@ from service.schemas.tables import CuspTableRequest
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request
 from tests.support.processes import PATIENCE, until
-from tests.support.service_server import GEOMETRY, accepted, ended, serving_app
+from tests.support.service_server import GEOMETRY, NO_WAIT, accepted, ended, serving_app
 from worker.jobs.queue import JobQueue
 
 Fresh = Callable[[], str]
@@ -31,7 +31,7 @@ EXAMPLE = {"geometry": GEOMETRY, **CuspTableRequest.examples["slice"][1]}
 
 
 def post(client: httpx.Client, slices: object, wait: int | None = 20, **more: object) -> httpx.Response:
-    headers = {} if wait is None else {"Prefer": f"wait={wait}"}
+    headers = NO_WAIT if wait is None else {"Prefer": f"wait={wait}"}
     return client.post("/v1/cusp-tables", json={"geometry": GEOMETRY, "l1": slices, **more}, headers=headers)
 
 
@@ -230,7 +230,7 @@ def test_the_operator_of_a_service_without_keys_ends_what_others_wait_for(
 def test_a_canceled_job_can_be_requested_again(api: httpx.Client, fresh: Fresh) -> None:
     l1 = fresh()
     request = {"geometry": GEOMETRY, "l1": [l1, fresh()]}
-    job_id = api.post("/v1/cusp-tables", json=request).json()["id"]
+    job_id = api.post("/v1/cusp-tables", json=request, headers=NO_WAIT).json()["id"]
     api.delete(f"/v1/jobs/{job_id}")
     answer = api.post("/v1/cusp-tables", json=request, headers={"Prefer": "wait=20"})
     assert answer.status_code == 200
@@ -335,7 +335,9 @@ def test_streams_end_when_the_server_does(valkey: EmbeddedValkey, fresh: Fresh) 
 
 def test_a_job_tells_its_run_its_times_and_its_end(api: httpx.Client, fresh: Callable[[], str]) -> None:
     body = {**EXAMPLE, "digits": 15}
-    first = accepted(lambda: api.post("/v1/cusp-tables", json={**body, "l1": fresh()})).json()
+    first = accepted(
+        lambda: api.post("/v1/cusp-tables", json={**body, "l1": fresh()}, headers=NO_WAIT)
+    ).json()
     assert (first["done"], first["expires_at"], first["run"]) == (False, None, first["run"])
     job = ended(api, first["id"])
     assert (job["done"], job["run"]) == (True, first["run"])
@@ -355,7 +357,8 @@ def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client)
 
 
 def test_a_replay_tells_the_states_as_they_were(api: httpx.Client, fresh: Callable[[], str]) -> None:
-    job = api.post("/v1/cusp-tables", json={**EXAMPLE, "l1": fresh(), "digits": 15}).json()
+    body = {**EXAMPLE, "l1": fresh(), "digits": 15}
+    job = api.post("/v1/cusp-tables", json=body, headers=NO_WAIT).json()
     end = ended(api, job["id"])
     queued, running, last = [data for _, name, data in read_events(api, job["id"]) if name == "status"]
     assert (queued["status"], queued["started_at"], queued["ended_at"]) == ("queued", None, None)

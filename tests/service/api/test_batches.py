@@ -431,12 +431,12 @@ def test_another_process_serves_the_batch(valkey: EmbeddedValkey, idle_redis: Re
         batch = submitted(client, lines(poses(15)), key)
     Worker(idle_redis, batch).answer(0)
     with serving(settings) as base, httpx.Client(base_url=base) as client:
-        assert submitted(client, lines(poses(15)), key)["status"] == "succeeded"
+        assert submitted(client, lines(poses(15)), key)["status"] == "completed"
         assert [line["status"] for line in results(client, batch)] == ["succeeded"]
 
 
 def test_a_full_queue(valkey: EmbeddedValkey, idle_redis: Redis, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.001")
+    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG_SECONDS", "0.001")
     with serving(Settings(redis_url=f"{valkey.url}?db=2")) as base, httpx.Client(base_url=base) as client:
         submitted(client, [poses(15)])
         before = set(idle_redis.keys("*"))

@@ -18,7 +18,7 @@ from rpr_solver import EXAMPLES, cusp_curves, leg_poses, poses
 from rpr_solver.figures.views import figure_of
 from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTable
-from tests.support.service_server import GEOMETRY, accepted, ended
+from tests.support.service_server import GEOMETRY, NO_WAIT, accepted, ended
 from tests.support.shared import census_of
 from worker.jobs.queue import JobQueue
 
@@ -298,7 +298,7 @@ def test_a_document_is_canceled_like_a_table(idle: httpx.Client) -> None:
 
 def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> None:
     body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 30}
-    answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}})
+    answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}}, headers=NO_WAIT)
     assert answer.status_code == 202
     job = answer.json()
     assert job["kind"] == "census"
@@ -365,7 +365,9 @@ def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) ->
     body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 20, "fixed_leg": 2}
     lengths = {"from": 10, "to": "12", "step": 1}
     answer = api.post(
-        "/v1/cusp-curves", json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2}
+        "/v1/cusp-curves",
+        json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2},
+        headers=NO_WAIT,
     )
     assert answer.status_code == 202
     job = answer.json()

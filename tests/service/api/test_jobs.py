@@ -153,8 +153,9 @@ def alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[httpx.Client]:
     """A client of a service without a worker, with room for a little work, and little of the usual limit."""
-    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.22")
-    settings = Settings(redis_url=f"{valkey.url}?db=2", limits=Limits(deadline=50, max_cost_seconds=LIMIT))
+    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG_SECONDS", "0.22")
+    limits = Limits(deadline_seconds=50, max_cost_seconds=LIMIT)
+    settings = Settings(redis_url=f"{valkey.url}?db=2", limits=limits)
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
         yield client
 
@@ -253,7 +254,7 @@ def test_a_deadline_is_no_part_of_the_question(alone: httpx.Client) -> None:
 @pytest.mark.parametrize(
     ("deadline", "kind", "message"),
     [
-        (50.5, "limit-exceeded", "is 50.5 s; the limit deadline is 50"),
+        (50.5, "limit-exceeded", "is 50.5 s; the limit deadline_seconds is 50"),
         (0, "invalid-request", "is 0; give a number of seconds > 0"),
         ("soon", "invalid-request", "'soon' is not a finite number"),
     ],
@@ -269,7 +270,7 @@ def test_deadlines_that_are_refused(alone: httpx.Client, deadline: object, kind:
 
 def test_the_limits_show_the_greatest_deadline(api: httpx.Client) -> None:
     limits = api.get("/v1/limits").json()
-    assert limits["deadline"]["value"] == WorkerSettings().deadline == 600
+    assert limits["deadline_seconds"]["value"] == WorkerSettings().deadline_seconds == 600
     assert limits["max_cost_seconds"]["value"] == 120
 
 

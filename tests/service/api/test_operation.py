@@ -46,7 +46,7 @@ def test_settings_do_not_change() -> None:
 
 
 def test_a_limit_that_makes_no_sense_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("RPR_CUSPS_MAX_DIGITS", "1000000")
+    monkeypatch.setenv("RPR_CUSPS_MAX_SLICES", "0")
     with pytest.raises(ValidationError):
         Settings()
 

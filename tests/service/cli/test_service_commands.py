@@ -21,20 +21,22 @@ from tests.support.service_server import serving
 from tests.support.template import starts_forked
 from worker.connection import connect
 from worker.process.pool import WorkerPool
-from worker.settings import EnvironmentSettings
+from worker.settings import EnvironmentSettings, WorkerSettings
 
 
 def test_a_slip_is_told_with_the_setting_that_was_meant() -> None:
     given = {
-        "RPR_CUSPS_CHUNKSIZE": "1",
-        "RPR_CUSPS_CHUNK_SIZE": "1",
-        "rpr_cusps_deadline": "1",
+        "RPR_CUSPS_MAXSLICES": "1",
+        "RPR_CUSPS_MAX_SLICES": "1",
+        "rpr_cusps_deadline_seconds": "1",
+        "RPR_CUSPS_TASK": "a constant",
         "RPR_CUSPS_COLOUR_OF_THE_SKY": "1",
         "OTHER": "1",
     }
     assert list(unknown_settings(given)) == [
-        "RPR_CUSPS_CHUNKSIZE is not a setting and has no effect; did you mean RPR_CUSPS_CHUNK_SIZE?",
         "RPR_CUSPS_COLOUR_OF_THE_SKY is not a setting and has no effect",
+        "RPR_CUSPS_MAXSLICES is not a setting and has no effect; did you mean RPR_CUSPS_MAX_SLICES?",
+        "RPR_CUSPS_TASK is not a setting and has no effect",
     ]
 
 
@@ -64,32 +66,29 @@ def test_a_server_that_cannot_be_used() -> None:
 
 
 def test_an_invalid_setting(run_here: Run, tmp_path: Path) -> None:
-    done = run_here("worker", "--redis-url", f"unix://{tmp_path}/nothing.sock", RPR_CUSPS_DEADLINE="-1")
+    worker = ("worker", "--redis-url", f"unix://{tmp_path}/nothing.sock")
+    done = run_here(*worker, RPR_CUSPS_DEADLINE_SECONDS="-1")
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("rpr-cusps worker: RPR_CUSPS_DEADLINE: ")
+    assert done.stderr.startswith("rpr-cusps worker: RPR_CUSPS_DEADLINE_SECONDS: ")
     assert "(it is '-1')" in done.stderr
-    done = run_here("worker", "--redis-url", f"unix://{tmp_path}/nothing.sock", RPR_CUSPS_CHUNK_SIZE="0")
+    done = run_here(*worker, RPR_CUSPS_RESULT_TTL_SECONDS="0")
     assert "greater than 0 (it is '0')" in done.stderr
 
 
-@pytest.mark.parametrize("command", ["worker", "serve"])
-def test_a_lifetime_of_what_does_not_exist(tmp_path: Path, command: str) -> None:
+def test_all_that_is_wrong_is_named(run_here: Run, tmp_path: Path) -> None:
     server = ("--redis-url", f"unix://{tmp_path}/nothing.sock")
-    done = run(command, *server, RPR_CUSPS_RESULT_TTLS="censuss=60,bulk=3600,pose=5")
-    assert (done.returncode, done.stdout) == (2, "")
-    named = (
-        "RPR_CUSPS_RESULT_TTLS: 'censuss', 'pose': no such kind or lane; known are article-table, aspects,"
-    )
-    assert named in done.stderr
-    assert done.stderr.count("\n") == 1
-
-
-def test_all_bad_lifetimes_are_named(run_here: Run, tmp_path: Path) -> None:
-    server = ("--redis-url", f"unix://{tmp_path}/nothing.sock")
-    bad = {"RPR_CUSPS_RESULT_TTLS": "poses,census=60,bulk=0", "RPR_CUSPS_ARCHIVE_URL": "ftp://x"}
+    bad = {"RPR_CUSPS_STORE_MAX_MB": "1", "RPR_CUSPS_ARCHIVE_URL": "ftp://x"}
     done = run_here("worker", *server, **bad)
-    assert "'poses' is no lifetime such as census=2592000; 'bulk=0' is no lifetime" in done.stderr
+    assert "RPR_CUSPS_STORE_MAX_MB: " in done.stderr
     assert "RPR_CUSPS_ARCHIVE_URL: Value error, 'ftp://x' is no archive" in done.stderr
+
+
+def test_constants_do_not_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RPR_CUSPS_TASK", "tests.support.hard_tasks.endless")
+    monkeypatch.setenv("RPR_CUSPS_MAX_DIGITS", "20")
+    assert WorkerSettings() == WorkerSettings.model_construct()
+    assert Limits.of_environment() == Limits()
+    assert WorkerSettings(task="another").task == "another"
 
 
 def test_a_key_from_its_making_to_its_end(run_here: Run, tmp_path: Path) -> None:

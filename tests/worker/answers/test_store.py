@@ -10,7 +10,7 @@ from redis import Redis
 import rpr_solver
 from tests.support.jobs import a_request
 from worker.answers.kind import JobRequest
-from worker.answers.layout import HEAD_BYTES, measured, measured_by, pack, unpack
+from worker.answers.layout import ERROR_TTL, HEAD_BYTES, measured, measured_by, pack, unpack
 from worker.answers.store import LOCK_SECONDS, ResultStore
 from worker.jobs.attempts import Attempts, Chunk
 from worker.jobs.chunks import ChunkEntry, ChunkRef
@@ -38,13 +38,13 @@ def test_the_first_result_stays(redis: Redis) -> None:
 
 
 def test_results_are_bounded_in_time_and_errors_more_so(redis: Redis) -> None:
-    store = ResultStore(redis, WorkerSettings(result_ttl=1000, error_ttl=10))
+    store = ResultStore(redis, WorkerSettings(result_ttl_seconds=1000))
     request = a_request("1", "2")
     keep(store, request, "1", slice_of("1"))
     keep(store, request, "2", {"l1": "2", "error": {"type": "solver-error", "detail": "no"}})
     good, bad = store.slice_keys(request, request.parts)
     assert 990 < redis.ttl(good) <= 1000
-    assert 0 < redis.ttl(bad) <= 10
+    assert 0 < redis.ttl(bad) <= ERROR_TTL < 1000
     assert set(store.get_slices(request)) == {"1", "2"}
     assert all(redis.ttl(key) > 0 for key in redis.keys("cusps:*"))
 

@@ -11,7 +11,6 @@ from redis import Redis
 
 from tests.support.jobs import a_pose_table, a_request
 from worker.answers.archive import Archive, ArchiveAwayError, archive_of
-from worker.answers.kind import JobRequest
 from worker.answers.kinds import known_answer
 from worker.answers.layout import AWAY
 from worker.answers.store import ResultStore, packed
@@ -263,22 +262,3 @@ def test_a_redis_that_is_full_still_takes_addresses(store: ResultStore, mover: M
     finally:
         store.redis.config_set("maxmemory", 0)
     assert (store.redis.get(store.slice_keys(other, ["1"])[0]) or b"")[:1] == AWAY
-
-
-def test_lifetimes_of_kinds(redis: Redis) -> None:
-    settings = WorkerSettings(result_ttls="poses=2592000")
-    store = ResultStore(redis, settings)
-    store.put_document(DOCUMENT, {"poses": []})
-    store.put_slices(TABLE, {"10": slice_of("10")})
-    document, key = store.keys.document(DOCUMENT.content_hash), store.slice_keys(TABLE, ["10"])[0]
-    assert abs(redis.ttl(document) - 30 * DAY) < 5
-    assert abs(redis.ttl(key) - settings.result_ttl) < 5
-    ages = [Inventory(redis, settings).age("slice", redis.pttl(name)) for name in (document, key)]
-    assert max(x or 0.0 for x in ages) < 5, "an answer just made is young, whatever its lifetime"
-
-
-def test_requests_have_the_kinds_of_their_lifetimes(settings: WorkerSettings) -> None:
-    kinds: dict[str, JobRequest] = {"cusp-table": TABLE, "poses": DOCUMENT}
-    for name, request in kinds.items():
-        assert request.kind.name == name
-        assert settings.model_copy(update={"result_ttls": ((name, 5),)}).lifetime(request.kind.name) == 5

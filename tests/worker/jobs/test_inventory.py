@@ -10,6 +10,7 @@ from redis.exceptions import OutOfMemoryError
 
 from tests.support.jobs import a_request
 from worker.answers.kind import JobRequest
+from worker.answers.layout import eliminant_ttl
 from worker.answers.store import packed
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
@@ -23,7 +24,7 @@ DAY = 86400
 
 def put(queue: JobQueue, request: JobRequest, age: float, size: int = 100) -> list[str]:
     """Keep slices as if they had been computed some time ago."""
-    ttl = int((queue.settings.result_ttl - age) * 1000)
+    ttl = int((queue.settings.result_ttl_seconds - age) * 1000)
     for key, l1 in zip(queue.store.slice_keys(request, request.parts), request.parts, strict=True):
         pad = random.Random(l1).randbytes(7 * size // 8).hex()  # which compression halves, nearly
         queue.redis.set(key, packed({"l1": l1, "cusps": [], "pad": pad}), px=ttl)
@@ -38,7 +39,7 @@ def inventory(redis: Redis, settings: WorkerSettings) -> Inventory:
 def test_the_stock_by_kind(queue: JobQueue, inventory: Inventory) -> None:
     request = a_request("1", "2")
     put(queue, request, age=3 * DAY)
-    queue.redis.set(queue.store.keys.eliminant("sha256:ab", 1), "{}", ex=queue.settings.eliminant_ttl)
+    queue.redis.set(queue.store.keys.eliminant("sha256:ab", 1), "{}", ex=eliminant_ttl(queue.settings))
     queue.redis.hset("cusps:keys", "a", "an API key")
     queue.redis.set("somebody-else", "1")
     queue.submit(a_request("7"))
@@ -92,7 +93,7 @@ def test_what_an_active_job_has_found_or_computed_is_kept(queue: JobQueue, inven
 def test_what_is_found_meanwhile_is_kept(queue: JobQueue, inventory: Inventory) -> None:
     [key] = put(queue, a_request("1"), age=5 * DAY)
     [item] = inventory._items([key.encode()])
-    queue.redis.expire(key, queue.settings.result_ttl)
+    queue.redis.expire(key, queue.settings.result_ttl_seconds)
     assert inventory._take([item]) == 0
     assert queue.redis.exists(key)
 

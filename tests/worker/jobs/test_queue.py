@@ -238,7 +238,7 @@ def test_the_place_of_a_job(queue: JobQueue) -> None:
 
 
 def test_a_full_lane_refuses_jobs_and_others_do_not(redis: Redis) -> None:
-    queue = JobQueue(redis, WorkerSettings(max_backlog=1))
+    queue = JobQueue(redis, WorkerSettings(max_backlog_seconds=1))
     first = queue.submit(a_heavy_document())  # a lane in which nothing waits takes any job
     with pytest.raises(QueueFullError) as refused:
         queue.submit(a_heavy_document(31))

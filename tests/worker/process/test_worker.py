@@ -148,8 +148,8 @@ def test_a_document_that_cannot_be_computed_fails(
 
 
 def test_a_deadline_ends_a_call_of_c(redis: Redis, workers: Workers) -> None:
-    queue = JobQueue(redis, WorkerSettings(task=HARD + "endless", deadline=3))
-    workers.start(task=HARD + "endless", deadline=3)
+    queue = JobQueue(redis, WorkerSettings(task=HARD + "endless", deadline_seconds=3))
+    workers.start(task=HARD + "endless", deadline_seconds=3)
     view = ended(queue, queue.submit(a_document()).id)
     assert view.status == "failed"
     assert view.error is not None
@@ -231,3 +231,17 @@ def test_an_idle_worker_ends_at_once(workers: Workers) -> None:
     worker.terminate()
     assert worker.wait(PATIENCE) == 0
     assert "Traceback" not in workers.log.read_text()
+
+
+def test_many_false_estimates_delay_a_small_question_by_a_few_seconds(redis: Redis, workers: Workers) -> None:
+    """Eight endless ones and two workers: each takes four of them, for two seconds each."""
+    queue = of_task(redis, "endless_at_13")
+    for duty in ("light", "all"):
+        workers.start(duty, task=HARD + "endless_at_13")
+    endless = [queue.submit(a_request("13", digits=digits)).id for digits in range(20, 28)]
+    start = time.monotonic()
+    assert ended(queue, queue.submit(a_request("5")).id).status == "succeeded"
+    assert time.monotonic() - start < 30  # 10 on an idle machine
+    assert sum(queue.chunks.depths().values()) >= len(endless) - 1, "all wait in the heavy lane, but one"
+    for job_id in endless:
+        queue.cancel(job_id)
