@@ -108,7 +108,7 @@ def test_status_and_fetch(run_here: Run, base_url: str, fresh: Callable[[], str]
         document = client.ask(asked).document
     job_id = asked.question.job_request().job_id
     where = (job_id, "--url", base_url)
-    assert json.loads(run_here("status", *where).stdout)["status"] == "succeeded"
+    assert json.loads(run_here("status", *where).stdout)["status"] == "completed"
     assert json.loads(run_here("fetch", *where).stdout) == document
     lengths = [option for x in asked.question.content()["l1"] for option in ("--l1", x)]
     for form in ("csv", "ndjson"):
@@ -200,7 +200,7 @@ def test_jobs(run_here: Run, idle_url: str) -> None:
         job = client.begin(asked)
         where = ("--url", idle_url)
         title, first, *_ = run_here("jobs", *where, "--limit", "1").stdout.splitlines()
-        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "KEY"]
+        columns = ["ID", "KIND", "STATUS", "CREATED", "STARTED", "ENDED", "ESTIMATE", "KEY"]
         assert title.split() == columns
         assert first.split()[:3] == [job.id, "cusp-table", "queued"]
         done = run_here("cancel", job.id, "--force", *where)
@@ -277,7 +277,7 @@ def test_one_comes_back_to_a_batch(run_here: Run, base_url: str) -> None:
     where = (batch, "--url", base_url)
     fetched = run_here("fetch", *where)
     assert (fetched.returncode, fetched.stdout.count("\n")) == (1, 3)
-    assert json.loads(run_here("status", *where).stdout)["status"] == "succeeded"
+    assert json.loads(run_here("status", *where).stdout)["status"] == "completed"
     assert json.loads(run_here("cancel", *where).stdout)["failed"] == 1
     again = run_here("submit", "-", "--url", base_url, "--key", "comes-back", stdin=stdin)
     assert sorted(again.stdout.splitlines()) == sorted(fetched.stdout.splitlines())
