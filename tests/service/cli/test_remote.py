@@ -108,7 +108,7 @@ def test_status_and_fetch(run_here: Run, base_url: str, fresh: Callable[[], str]
         document = client.ask(asked).document
     job_id = asked.question.job_request().job_id
     where = (job_id, "--url", base_url)
-    assert json.loads(run_here("status", *where).stdout)["status"] == "completed"
+    assert json.loads(run_here("status", *where).stdout)["status"] == "succeeded"
     assert json.loads(run_here("fetch", *where).stdout) == document
     lengths = [option for x in asked.question.content()["l1"] for option in ("--l1", x)]
     for form in ("csv", "ndjson"):
