@@ -271,12 +271,12 @@ def _path(
 
 def _says(shape: Shape, exponent: int, one: Manipulator, document: dict[str, Any]) -> bool:
     """Whether a document says how near the shape is, unless the machine has it."""
-    if exponent < 4 or shape.near is None:
+    if exponent < 8 or shape.near is None:
         return True
     if shape.near in {name for name, _ in own_shapes(one.geometry)}:
         return True
     return any(
-        near["shape"] == shape.near and float(near["distance"]) < 20 * 10.0**-exponent
+        near["shape"] == shape.near and float(near["distance"]) < 10.0 ** (4 - exponent)
         for near in document.get("near", ())
     )
 

@@ -17,6 +17,7 @@ class Ball(Protocol):
     def __add__(self, other: Any, /) -> Any: ...
     def __sub__(self, other: Any, /) -> Any: ...
     def __mul__(self, other: Any, /) -> Any: ...
+    def __neg__(self) -> Any: ...
 
 
 B = TypeVar("B", bound=Ball)
@@ -74,6 +75,9 @@ class Jet(Generic[B]):
     def __sub__(self, other: Jet[B]) -> Jet[B]:
         order = min(self.order, other.order)
         return Jet(self.variables, order, [x - y for x, y in zip(self.terms, other.terms, strict=False)])
+
+    def __neg__(self) -> Jet[B]:
+        return Jet(self.variables, self.order, [-x for x in self.terms])
 
     def __mul__(self, other: Jet[B] | B) -> Jet[B]:
         """The product with a function, or with a number."""

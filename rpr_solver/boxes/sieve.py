@@ -60,9 +60,9 @@ class Boxes:
     def __getitem__(self, which: Truths | NDArray[np.intp] | slice) -> Boxes:
         return Boxes(self.low[:, which], self.high[:, which])
 
-    def halved(self) -> Boxes:
-        """Both halves of each box, cut across its widest side; they share the number between them."""
-        side = np.arange(len(self.low))[:, None] == self.radius.argmax(0)
+    def halved(self, sides: NDArray[np.intp] | None = None) -> Boxes:
+        """Both halves of each box, cut across a side, else its widest; they share the number between them."""
+        side = np.arange(len(self.low))[:, None] == (self.radius.argmax(0) if sides is None else sides)
         return Boxes.joined(
             [
                 Boxes(self.low, np.where(side, self.middle, self.high)),

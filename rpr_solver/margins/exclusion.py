@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.contract import LENGTHS
 from rpr_solver.margins.expansions import Expansion, combined, lowest, where
 from rpr_solver.margins.options import MayGoOn
@@ -47,12 +48,12 @@ class Exclusion:
     Attributes:
         proved: whether no cusp degenerates outside the known zones.
         boxes: the number of boxes that were examined.
-        left: boxes, as lower and upper ends, on which it was not proved.
+        left: boxes on which it was not proved.
     """
 
     proved: bool
     boxes: int
-    left: tuple[Doubles, Doubles]
+    left: Boxes
 
 
 def exclude(
@@ -66,56 +67,41 @@ def exclude(
         may_go_on: asked now and then; False to give up.
         zones: where degenerate cusps are known.
     """
-    low, high = problem.grid(_PARTS)
-    search, boxes = _Search(problem, zones), 0
-    waiting, left = [(low, high)], [(low[:, :0], high[:, :0])]
+    search, examined = _Search(problem, zones), 0
+    waiting = [problem.grid(_PARTS)]
+    left = [waiting[0][:0]]
     goes_on = zones is not None and zones.goes_on
     following = 0 if goes_on else -1  # breadth first leaves small boxes when the search is cut short
     with np.errstate(all="ignore"):
         while waiting:
-            low, high = waiting.pop(following)
-            while waiting and low.shape[1] + waiting[following][0].shape[1] <= _BATCH:
-                low, high = _together([(low, high), waiting.pop(following)])
-            if low.shape[1] > _BATCH:
-                waiting.append((low[:, _BATCH:], high[:, _BATCH:]))
-                low, high = low[:, :_BATCH], high[:, :_BATCH]
-            boxes += low.shape[1]
-            kept, shares = search.undecided(low, high)
-            low, high = low[:, kept], high[:, kept]
-            if not low.size:
+            boxes = waiting.pop(following)
+            while waiting and len(boxes) + len(waiting[following]) <= _BATCH:
+                boxes = Boxes.joined([boxes, waiting.pop(following)])
+            if len(boxes) > _BATCH:
+                waiting.append(boxes[_BATCH:])
+                boxes = boxes[:_BATCH]
+            examined += len(boxes)
+            kept, shares = search.undecided(boxes)
+            boxes = boxes[kept]
+            if not len(boxes):
                 continue
-            fine, variables, middle = _cuts(low, high, shares)
+            fine, variables = _cuts(boxes, shares)
             if zones is not None:
-                fine &= ~zones.small(low, high)
-            left.append((low[:, ~fine], high[:, ~fine]))
+                fine &= ~zones.small(boxes)
+            left.append(boxes[~fine])
             if fine.any():
-                waiting.append(_halves(low[:, fine], high[:, fine], variables[fine], middle[fine]))
-            if not (goes_on or fine.all()) or boxes > most_boxes or not may_go_on():
-                return Exclusion(False, boxes, _together([*left, *waiting]))
-    whole = _together(left)
-    return Exclusion(not whole[0].size, boxes, whole)
+                waiting.append(boxes[fine].halved(variables[fine]))
+            if not (goes_on or fine.all()) or examined > most_boxes or not may_go_on():
+                return Exclusion(False, examined, Boxes.joined([*left, *waiting]))
+    whole = Boxes.joined(left)
+    return Exclusion(not len(whole), examined, whole)
 
 
-def _together(parts: Sequence[tuple[Doubles, Doubles]]) -> tuple[Doubles, Doubles]:
-    low, high = (np.concatenate(ends, axis=1) for ends in zip(*parts, strict=True))
-    return low, high
-
-
-def _cuts(low: Doubles, high: Doubles, shares: Doubles) -> tuple[Flags, Places, Doubles]:
-    """Which boxes can be cut, and where: along the variable with the greatest share of those that can be."""
-    middles = (low + high) / 2
-    wide: Flags = np.logical_and(low < middles, middles < high)
-    wide[:ANGLES] = high[:ANGLES] - low[:ANGLES] >= _FINEST_ANGLE
-    variables = np.where(wide, shares, -1).argmax(axis=0)
-    return np.any(wide, axis=0), variables, middles[variables, np.arange(low.shape[1])]
-
-
-def _halves(low: Doubles, high: Doubles, variables: Places, middle: Doubles) -> tuple[Doubles, Doubles]:
-    """The halves of boxes."""
-    every = np.arange(low.shape[1])
-    lower, upper = low.copy(), high.copy()
-    upper[variables, every] = lower[variables, every] = middle
-    return np.concatenate((low, lower), axis=1), np.concatenate((upper, high), axis=1)
+def _cuts(boxes: Boxes, shares: Doubles) -> tuple[Flags, Places]:
+    """Which boxes can be cut, and across which variable: of those that can, that of the greatest share."""
+    wide: Flags = np.logical_and(boxes.low < boxes.middle, boxes.middle < boxes.high)
+    wide[:ANGLES] = boxes.high[:ANGLES] - boxes.low[:ANGLES] >= _FINEST_ANGLE
+    return np.any(wide, axis=0), np.where(wide, shares, -1).argmax(axis=0)
 
 
 class _Search:
@@ -126,9 +112,9 @@ class _Search:
         self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
         self._sides = [row for place, row in problem.rows.items() if place >= _PLATFORM]
 
-    def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Doubles]:
+    def undecided(self, boxes: Boxes) -> tuple[Places, Doubles]:
         """The boxes on which nothing is proved, and how much each variable contributes to that."""
-        ring = BoxRing(self._problem, low, high)
+        ring = BoxRing(self._problem, boxes)
         systems = self._problem.systems(ring, 0)
         left = np.flatnonzero(~(lowest(systems.singularity.value) > 0))
         f, g = (sum(x.terms[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
@@ -137,8 +123,8 @@ class _Search:
         if left.size:
             left, is_f, easy = self._first(systems, left, is_f)
         if not left.size:
-            return left, low[:, left]
-        known = None if self._zones is None else self._zones.known(low[:, left], high[:, left])
+            return left, boxes.low[:, left]
+        known = None if self._zones is None else self._zones.known(boxes[left])
         return self._second(systems, ring, left, is_f, easy, known)
 
     def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Places, Flags, Trial]:

@@ -17,7 +17,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rpr_solver.boxes.jets import Jet as Taylor
 from rpr_solver.boxes.krawczyk import contracts
+from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
 from rpr_solver.margins.expansions import UP, Expansion, combined, where
@@ -177,7 +179,7 @@ class _Search:
             low[row], high[row] = self._problem.spans[place].low, self._problem.spans[place].high
         widths = np.concatenate((np.ceil(half[:ANGLES] * _RADIAN), half[ANGLES:]))
         low[:POSE], high[:POSE] = centre - widths, centre + widths
-        ring = BoxRing(self._problem, low, high)
+        ring = BoxRing(self._problem, Boxes(low, high))
         return ring, self._problem.systems(ring, order)
 
     @staticmethod
@@ -207,7 +209,7 @@ class _Search:
         """Whether the map contracts on boxes with these half widths, for each geometry."""
         ring, systems = self._systems(half, 3)
         tests = self._tests(_by_length(systems, ring), half, _where)
-        slopes = [[jet.alpha.value.value, jet.theta.value.value, jet.value.slope] for jet in tests]
+        slopes = [[jet.alpha.value.value, jet.theta.value.value, *jet.value.gradient] for jet in tests]
         inverse = _inverse(np.array([[x.terms[0] for x in row] for row in slopes]))
         bounds = []
         for j, factors in enumerate(inverse):
@@ -218,37 +220,15 @@ class _Search:
         return alone
 
 
-@dataclass(frozen=True)
-class _ByLength:
-    """A function on boxes, and its derivative by the fixed leg's length."""
-
-    value: Expansion
-    slope: Expansion
-
-    def __add__(self, other: _ByLength) -> _ByLength:
-        return _ByLength(self.value + other.value, self.slope + other.slope)
-
-    def __sub__(self, other: _ByLength) -> _ByLength:
-        return _ByLength(self.value - other.value, self.slope - other.slope)
-
-    def __neg__(self) -> _ByLength:
-        return _ByLength(-self.value, -self.slope)
-
-    def __mul__(self, other: _ByLength | int) -> _ByLength:
-        if isinstance(other, int):
-            return _ByLength(self.value * other, self.slope * other)
-        return _ByLength(self.value * other.value, self.value * other.slope + self.slope * other.value)
-
-
-def _where(boxes: Flags, one: _ByLength, other: _ByLength) -> _ByLength:
-    return _ByLength(where(boxes, one.value, other.value), where(boxes, one.slope, other.slope))
+def _where(boxes: Flags, one: Taylor[Expansion], other: Taylor[Expansion]) -> Taylor[Expansion]:
+    return Taylor(1, 1, [where(boxes, x, y) for x, y in zip(one.terms, other.terms, strict=True)])
 
 
 def _by_length(systems: Systems, ring: BoxRing) -> Systems:
     """The same functions with their derivatives by the fixed leg's length, which is one of their scales."""
     zero, one = ring.constant(0.0), ring.constant(1.0)
-    whole = systems.mapped(lambda x: _ByLength(x, zero), systems.order)
-    return replace(whole, scales=(_ByLength(systems.scales[0], one), 1))
+    whole = systems.mapped(lambda x: Taylor(1, 1, [x, zero]), systems.order)
+    return replace(whole, scales=(Taylor(1, 1, [systems.scales[0], one]), 1))
 
 
 @dataclass(frozen=True)

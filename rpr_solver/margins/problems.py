@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.plane import PlaneNumber
@@ -26,7 +27,6 @@ from rpr_solver.model.manipulator import Manipulator
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rpr_solver.margins.expansions import Doubles
     from rpr_solver.margins.systems import Choice
 
     Integers = NDArray[np.int64]
@@ -112,8 +112,8 @@ class Problem:
         """The number of variables of a box: α, θ, and the others that vary."""
         return ANGLES + len(self.rows)
 
-    def grid(self, parts: int) -> tuple[Doubles, Doubles]:
-        """Lower and upper ends of boxes that cover the problem, the torus cut in ``parts`` × ``parts``."""
+    def grid(self, parts: int) -> Boxes:
+        """Boxes that cover the problem, the torus cut in ``parts`` × ``parts``."""
         step = TURN // parts
         places = np.arange(parts) * float(step)
         low, high = (np.empty((self.size, parts * parts)) for _ in range(2))
@@ -121,7 +121,7 @@ class Problem:
         high[:ANGLES] = low[:ANGLES] + step
         for place, row in self.rows.items():
             low[row], high[row] = self.spans[place].low, self.spans[place].high
-        return low, high
+        return Boxes(low, high)
 
     def systems(self, ring: BoxRing, order: int) -> Systems:
         """The functions in a ring, K with its derivatives up to an order."""
@@ -266,10 +266,10 @@ class BoxRing:
         middle, half: middles and half widths of the boxes; half widths of angles are in radians.
     """
 
-    def __init__(self, problem: Problem, low: Doubles, high: Doubles) -> None:
+    def __init__(self, problem: Problem, boxes: Boxes) -> None:
         self._problem = problem
-        self.middle = (low + high) / 2
-        self.half = np.maximum(high - self.middle, self.middle - low) * UP
+        self.middle = boxes.middle
+        self.half = np.maximum(boxes.high - self.middle, self.middle - boxes.low) * UP
         self.half[:ANGLES] *= 2 * np.pi / TURN
         self._layout = layout_of(problem.size)
 

@@ -201,7 +201,7 @@ def _exclude_others(
         result = exclude(problem, max(most - boxes, 0), may_go_on, zones)
         boxes += result.boxes
         progress(min(boxes, most), most)
-        low, high = (end[ANGLES] for end in result.left)
+        low, high = result.left.low[ANGLES], result.left.high[ANGLES]
         left += [_of_user(problem, a, b) for a, b in set(zip(low, high, strict=True))]
     return boxes, [one.rounded() for one in merged(left)]
 

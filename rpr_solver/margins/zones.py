@@ -13,6 +13,7 @@ from rpr_solver.margins.problems import ANGLES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from rpr_solver.boxes.sieve import Boxes
     from rpr_solver.margins.expansions import Doubles, Places
 
     Flags = NDArray[np.bool_]
@@ -35,18 +36,17 @@ class Zones:
     least: tuple[float, float, float]
     goes_on: bool
 
-    def known(self, low: Doubles, high: Doubles) -> Flags:
+    def known(self, boxes: Boxes) -> Flags:
         """For each test whether boxes are within a zone of it."""
-        pose, (lows, highs) = slice(ANGLES + 1), (self.low[:, :, None], self.high[:, :, None])
-        turns = np.zeros_like(lows + low[pose, None])
-        turns[:ANGLES] = np.floor((low[:ANGLES, None] - lows[:ANGLES]) / TURN) * TURN
-        inside: Flags = np.all(
-            [lows + turns <= low[pose, None], high[pose, None] <= highs + turns], axis=(0, 1)
-        )
+        low, high = (ends[: ANGLES + 1, None] for ends in (boxes.low, boxes.high))
+        lows, highs = self.low[:, :, None], self.high[:, :, None]
+        turns = np.zeros_like(lows + low)
+        turns[:ANGLES] = np.floor((low[:ANGLES] - lows[:ANGLES]) / TURN) * TURN
+        inside: Flags = np.all([lows + turns <= low, high <= highs + turns], axis=(0, 1))
         return np.array([inside[self.tests == test].any(axis=0) for test in (0, 1)])
 
-    def small(self, low: Doubles, high: Doubles) -> Flags:
+    def small(self, boxes: Boxes) -> Flags:
         """The boxes that are not to be cut."""
-        sides = high[: ANGLES + 1] - low[: ANGLES + 1]
+        sides = boxes.high[: ANGLES + 1] - boxes.low[: ANGLES + 1]
         flags: Flags = np.all(sides <= np.array(self.least)[:, None], axis=0)
         return flags

@@ -20,6 +20,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.cells import Cells
+from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.path_poses import PathPose
@@ -287,8 +288,6 @@ class _Question:
 
     def _wide(self, known: ProvedRoute, limited: LimitedSearch) -> Path | NoPath:
         """The widest path, or a reason why it is not as wide as was asked for."""
-        from rpr_solver.paths.corridors import Corridors  # with NumPy, by those who need it
-
         asked = self.terms.clearance or Fraction(0)
         ends = limited.start, limited.stop
         corridors = Corridors.of(ends, limited.span, limited.sign, limited.limits, asked)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from rpr_solver.paths.boxes import Box, Boxes, Judgement, Verdict, whole
+from rpr_solver.paths.boxes import FIRST_LEVEL, Box, Boxes, Judgement, PosePoint, Verdict, whole
 
 _BATCH = 4096
 """So many boxes at once keep the arrays in the processor's cache."""
@@ -29,6 +29,12 @@ class BoxTree:
     def leaves(self, verdict: Verdict) -> list[Box]:
         """The boxes, not cut any further, with a verdict."""
         return [box for box, own in self.verdicts.items() if own is verdict]
+
+    def leaf(self, place: PosePoint, level: int = FIRST_LEVEL) -> Box | None:
+        """The box, not cut any further, that holds a place; None if this is too near to an edge."""
+        while (box := self.boxes.holding(place, level)) is not None and self.verdicts[box] is None:
+            level += 1
+        return box
 
     def narrowest(self) -> int:
         """The level of the narrowest boxes."""

@@ -138,6 +138,11 @@ class Boxes:
         """Into how many parts the range of the fixed leg is cut at a level."""
         return 1 << max(0, level - self._whole)
 
+    def resolution(self, level: int) -> Resolution:
+        """The size of the boxes of a level, in the user's unit."""
+        size = (self.high - self.low) / self.slice_map.scale
+        return Resolution(Fraction(360, 1 << level), size / self.lengths(level) if size else None)
+
     def first(self) -> list[Box]:
         """The boxes of the first level."""
         turn, lengths = range(1 << FIRST_LEVEL), range(self.lengths(FIRST_LEVEL))
@@ -173,11 +178,11 @@ class Boxes:
 
     def holding(self, place: PosePoint, level: int) -> Box | None:
         """A box of a level that holds a place; None if it is too near to an edge."""
-        numbers = []
-        for angle, start in ((place[0], _ALPHA), (place[1], _THETA)):
-            share = (angle / (2 * arb.pi()) - ball_of(start)) * (1 << level)
-            numbers.append(share.floor().unique_fmpz())
-        i, k = numbers
+        with ctx.workprec(BITS):
+            i, k = (
+                ((angle / (2 * arb.pi()) - ball_of(start)) * (1 << level)).floor().unique_fmpz()
+                for angle, start in zip(place[:2], (_ALPHA, _THETA), strict=True)
+            )
         if i is None or k is None:
             return None
         parts, m = self.lengths(level), 0

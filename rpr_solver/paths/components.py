@@ -13,19 +13,20 @@ together with the undecided boxes. Where both agree, their number is proved
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from graphlib import CycleError, TopologicalSorter
 from itertools import combinations, product
 from math import gcd
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import ctx
 
 from rpr_solver.paths.box_tree import BoxTree
-from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Resolution, Verdict
+from rpr_solver.paths.boxes import Box, Boxes, PosePoint, Verdict
+from rpr_solver.paths.cells import reached
 from rpr_solver.singular.aspects import UnionFind
 
 if TYPE_CHECKING:
@@ -37,8 +38,12 @@ _MOST_BOXES: Mapping[int, int] = {2: 40_000, 3: 40_000}
 
 Direction = tuple[float, float, float]
 """Along α, θ and L, in widths of a box."""
-_FLAT = np.array([(p, q, 0.0) for p, q in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(p, q) == 1])
-"""Directions along few sides, which are tried first."""
+_FEW_SIDES = sorted(
+    (way for way in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(*way) == 1),
+    key=lambda way: sum(map(bool, way)),
+)
+_FLAT = np.array([(p, q, 0.0) for p, q in _FEW_SIDES])
+"""Directions along few sides, which are tried first: those along one of them, then others."""
 _FINE = 256
 _TURNS = 6
 _LEAST_RATE = 1e-9
@@ -60,9 +65,8 @@ class AllowedRegion(BoxTree):
         super().__init__(boxes)
         self._targets: dict[Box, list[Box] | None] = {}
         self._wider: dict[Box, frozenset[int]] = {}
-        self._deepest = _DEEPEST[len(boxes.axes)]
-        count = _Count.of(self)
-        while wanted := [box for box in count.open_boxes if box[0] < self._deepest]:
+        deepest, count = _DEEPEST[len(boxes.axes)], _Count.of(self)
+        while wanted := [box for box in count.open_boxes if box[0] < deepest]:
             if len(self.verdicts) > _MOST_BOXES[len(boxes.axes)]:
                 break
             self.cut(wanted)
@@ -71,20 +75,13 @@ class AllowedRegion(BoxTree):
             count.groups, key=lambda group: -sum(Fraction(1, 4 ** box[0]) for box in group.inside)
         )
         self._of_box = {box: k for k, group in enumerate(self.groups) for box in group.boxes}
-        level = self.narrowest()
-        low, high, scale = boxes.low, boxes.high, boxes.slice_map.scale
-        size = (high - low) / scale / boxes.lengths(level) if high > low else None
-        self.resolution = Resolution(Fraction(360, 1 << level), size)
+        self.resolution = boxes.resolution(self.narrowest())
 
     def group_of(self, place: PosePoint) -> int | None:
         """The number, from 0, of the group that holds an allowed pose of this sign; None if it is too near an
         edge."""
-        with ctx.workprec(BITS):
-            for level in range(FIRST_LEVEL, self._deepest + 1):
-                box = self.boxes.holding(place, level)
-                if box is None or self.verdicts.get(box) is not None:
-                    return None if box is None else self._of_box.get(box)
-        return None
+        box = self.leaf(place)
+        return None if box is None else self._of_box.get(box)
 
     def is_inside(self, box: Box) -> bool:
         """Whether a box is allowed everywhere."""
@@ -243,43 +240,29 @@ def _joined(region: AllowedRegion, boxes: Sequence[Box]) -> UnionFind[Box]:
 def _leads(region: AllowedRegion, undecided: Sequence[Box]) -> dict[Box, bool]:
     """Whether the allowed poses of undecided boxes are joined to allowed boxes, or there are none; without
     the boxes of which that is not known."""
-    waits: dict[Box, int] = {}
-    waiting: dict[Box, list[Box]] = {}
     found: dict[Box, bool] = {}
-    settled = deque[Box]()
     ahead = {box: targets for box in undecided if (targets := region.targets(box)) is not None}
     open_boxes = set(undecided)
-    for box, targets in ahead.items():
-        before = [other for other in targets if other in open_boxes]
-        waits[box] = len(before)
-        for other in before:
-            waiting.setdefault(other, []).append(box)
-        if not before:
-            settled.append(box)
-    while settled:
-        box = settled.popleft()
-        found[box] = any(
-            found[other] if other in open_boxes else region.is_inside(other) for other in ahead[box]
-        )
-        for other in waiting.get(box, ()):
-            waits[other] -= 1
-            if not waits[other]:
-                settled.append(other)
+    order = TopologicalSorter({box: open_boxes.intersection(own) for box, own in ahead.items()})
+    with suppress(CycleError):  # boxes from which no way returns are in order all the same
+        order.prepare()
+    while ready := [box for box in order.get_ready() if box in ahead]:
+        for box in ready:
+            found[box] = any(found.get(other) or region.is_inside(other) for other in ahead[box])
+        order.done(*ready)
     return found
 
 
 def _between(region: AllowedRegion, inside: UnionFind[Box], boxes: Sequence[Box]) -> list[Box]:
     """The undecided boxes at which what is nearest to one component of allowed boxes meets another one; none
     if there is one component alone."""
-    known = set(boxes)
-    nearest = {box: inside.root(box) for box in boxes if region.is_inside(box)}
-    queue = deque(nearest)
-    while queue:
-        box = queue.popleft()
-        for other in region.neighbours(box):
-            if other in known and other not in nearest:
-                nearest[other] = nearest[box]
-                queue.append(other)
+    known, nearest = set(boxes), dict[Box, Box]()
+    before = reached(
+        filter(region.is_inside, boxes),
+        lambda box: ((other, box) for other in region.neighbours(box) if other in known),
+    )
+    for box, last in before.items():
+        nearest[box] = inside.root(box) if last is None else nearest[last]
     return [
         box
         for box in boxes

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.exact.numerals import double
+from rpr_solver.paths.cells import chained
 from rpr_solver.paths.proofs import NO_LIMITS, PathLimits
 from rpr_solver.paths.routes import EndPose
 from rpr_solver.paths.singular_field import SingularField, half_squares, polished
@@ -314,14 +315,14 @@ class _Search:
         where steps count the more the less room there is."""
         room, floor = self._room, least or 1e-300
         heap = [(0.0 if least else -room[start], start, start)]
-        before: dict[int, int] = {}
+        before: dict[int, int | None] = {}
         while heap:
             key, node, last = heappop(heap)
             if node in before:
                 continue
-            before[node] = last
+            before[node] = None if node == start else last
             if node == stop:
-                return _back(before, node)
+                return chained(before, node)[::-1]
             here = room[node]
             for other, size in self._beside(node):
                 there = room[other]
@@ -340,13 +341,6 @@ class _Search:
         found = [(up, step), (down, step), (node + left, step), (node + right, step)]
         found += [(row + side, diagonal) for row in (up, down) for side in (left, right)]
         return found + [(x, 0.0) for x in (node - nodes, node + nodes) if 0 <= x < len(self._room)]
-
-
-def _back(before: dict[int, int], node: int) -> list[int]:
-    way = [node]
-    while (last := before[way[-1]]) != way[-1]:
-        way.append(last)
-    return way[::-1]
 
 
 def degrees_of(pose: EndPose) -> tuple[float, float]:

@@ -14,13 +14,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import tau
 
-from flint import ctx
-
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.numerals import double
 from rpr_solver.paths.box_tree import BoxTree
 from rpr_solver.paths.boxes import (
-    BITS,
     FIRST_LEVEL,
     Box,
     BoxPoint,
@@ -70,10 +67,6 @@ class Search(BoxTree):
         Raises:
             Unproved: a pose is too near to the edge of what is allowed.
         """
-        with ctx.workprec(BITS):
-            return self._outcome(start, stop)
-
-    def _outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         first, last = self.settled(start), self.settled(stop)
         done = FIRST_LEVEL
         most_boxes = max(_MOST_BOXES, len(self.verdicts) + _MORE_BOXES)
@@ -87,14 +80,7 @@ class Search(BoxTree):
                 if from_start[last] == 0:
                     way = self.way(start, self.chain(from_start, last), stop)
                     return Outcome(way, False, self.narrowest())
-                from_stop = self.distances(last, level)
-                most = from_start[last] + 1 + _SLACK
-                crossed = [
-                    box
-                    for box, steps in from_start.items()
-                    if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
-                ]
-                self.cut(crossed)
+                self.cut(self._crossed(from_start, last, level, _SLACK))
             else:
                 break
             done = level
@@ -103,33 +89,36 @@ class Search(BoxTree):
     def stuck(self, start: PosePoint, stop: PosePoint) -> Spot | None:
         """About where it stays undecided whether there is a way: an undecided box on the best ways; or a pose
         itself, if it has no allowed box."""
-        with ctx.workprec(BITS):
-            ends = []
-            for place in (start, stop):
-                try:
-                    ends.append(self.settled(place))
-                except Unproved:
-                    return spot_of(turns(place))
-            from_start, from_stop = (self.distances(end, None) for end in ends)
-            fewest = from_start.get(ends[1], 0) + 1
-            for box, steps in from_start.items():
-                if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, fewest) == fewest:
-                    return spot_of(self.boxes.middle(box))
-        return None
+        ends = []
+        for place in (start, stop):
+            try:
+                ends.append(self.settled(place))
+            except Unproved:
+                return spot_of(turns(place))
+        crossed = self._crossed(self.distances(ends[0], None), ends[1], None, 0)
+        return spot_of(self.boxes.middle(crossed[0])) if crossed else None
+
+    def _crossed(
+        self, from_start: Mapping[Box, int], last: Box, deepest: int | None, slack: int
+    ) -> list[Box]:
+        """The undecided boxes on ways to a box that cross the fewest of them, or so many more."""
+        from_stop, most = self.distances(last, deepest), from_start.get(last, 0) + 1 + slack
+        return [
+            box
+            for box, steps in from_start.items()
+            if self.verdicts[box] is Verdict.UNDECIDED and steps + from_stop.get(box, most) <= most
+        ]
 
     def settled(self, place: PosePoint) -> Box:
         """An allowed box round a pose, cut out if need be."""
-        for level in range(FIRST_LEVEL, _DEEPEST):
-            box = self.boxes.holding(place, level)
-            if box is None:
-                break
-            verdict = self.verdicts.get(box)
-            if verdict is Verdict.IN:
-                self.open_round(place, level)
-                return box
-            if verdict is Verdict.UNDECIDED:
-                self.cut([box])
-        raise Unproved("a pose is too near to a singularity or to a limit")
+        box = self.leaf(place)
+        while box is not None and box[0] < _DEEPEST and self.verdicts[box] is Verdict.UNDECIDED:
+            self.cut([box])
+            box = self.leaf(place, box[0] + 1)
+        if box is None or self.verdicts[box] is not Verdict.IN:
+            raise Unproved("a pose is too near to a singularity or to a limit")
+        self.open_round(place, box[0])
+        return box
 
     def open_round(self, place: PosePoint, deepest: int) -> None:
         """Cuts the undecided boxes round a pose, the nearer the narrower, as deep as its own box was cut.

@@ -24,6 +24,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.paths.boxes import Boxes, PosePoint, Resolution, Spot, decimal_pose
 from rpr_solver.paths.joint_paths import Corner, Straightener
+from rpr_solver.paths.pose_grid import PoseGrid
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove, proved_route
 from rpr_solver.paths.routes import Arc, DecimalPose, EndPose, GivenPose, IsolatedPose, Legs
 from rpr_solver.paths.search import Outcome, Search
@@ -118,8 +119,6 @@ class LimitedSearch:
 
     def _coarse(self, inner: Sequence[EndPose], span: Span) -> ProvedRoute | None:
         """A proved route along a way on a grid between two poses that are not on a limit."""
-        from rpr_solver.paths.pose_grid import PoseGrid  # with NumPy, by those who need it
-
         grid = PoseGrid.of(inner, span, self.sign, self.limits)
         if (parts := grid.way(inner, is_wide=False)) is None:
             return None
@@ -151,9 +150,7 @@ class LimitedSearch:
 
     def resolution(self, outcome: Outcome) -> Resolution:
         """The size of the smallest boxes of an outcome."""
-        size = (self.span[1] - self.span[0]) / self.start.slice_map.scale
-        length = size / self._boxes(self.span).lengths(outcome.level) if size else None
-        return Resolution(Fraction(360, 1 << outcome.level), length)
+        return self._boxes(self.span).resolution(outcome.level)
 
     def near(self, outcome: Outcome) -> DecimalPose | None:
         """About where an outcome stays undecided."""

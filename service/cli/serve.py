@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any
 from rpr_solver.errors import InputError
 from service.cli.parsers import Command, Parser, whole
 from service.errors import ServiceError
-from worker.limits import is_setting
 from worker.logs import log_uncaught, program_line
 
 if TYPE_CHECKING:
@@ -91,6 +90,8 @@ def models() -> tuple[type[BaseModel], ...]:
 
 def names() -> set[str]:
     """Returns the names of all settings."""
+    from worker.limits import is_setting
+
     fields_of = (model.model_fields.items() for model in models())
     return {PREFIX + name.upper() for fields in fields_of for name, field in fields if is_setting(field)}
 

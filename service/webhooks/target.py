@@ -157,9 +157,6 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
     target = _parts_of(url)
     if target is None:
         raise InputError.of(FIELD, f"is {shown}; its host or port cannot be read")
-    networks = settings.webhook_networks
-    if target.scheme == "http" and not networks:
-        raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_NETWORKS is not set)")
     if "@" in urlsplit(url).netloc or "#" in url:
         raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
     if not any(fits(target.host, pattern) for pattern in settings.webhook_hosts):
@@ -167,11 +164,18 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
             FIELD,
             f"names the host {clipped(target.host)!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow",
         )
+    _check_address(target, settings.webhook_networks)
+    return target
+
+
+def _check_address(target: Target, networks: tuple[Network, ...]) -> None:
+    is_plain, setting = target.scheme == "http", "RPR_CUSPS_WEBHOOK_NETWORKS"
+    if is_plain and not networks:
+        raise InputError.of(FIELD, f"must be https://, since {setting} is not set")
     addresses = _addresses_of(target.host)
     if addresses and not any(is_allowed(address, networks, target.scheme) for address in addresses):
-        what = "not a public address and not in" if target.scheme == "https" else "for http:// not in"
-        raise InputError.of(FIELD, f"names {target.host}, which is {what} RPR_CUSPS_WEBHOOK_NETWORKS")
-    return target
+        what = "for http:// not in" if is_plain else "not a public address and not in"
+        raise InputError.of(FIELD, f"names {target.host}, which is {what} {setting}")
 
 
 def _addresses_of(host: str) -> Sequence[str]:

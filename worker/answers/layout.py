@@ -40,7 +40,7 @@ ARCHIVE_TTL = 365 * 86400
 
 
 def eliminant_ttl(settings: WorkerSettings) -> int:
-    """Returns the seconds that an eliminant is kept: it serves all slices of a machine, and outlives them."""
+    """Returns the seconds that an eliminant is kept: it serves all slices of its geometry."""
     return 4 * settings.result_ttl_seconds
 
 

@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
+from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
@@ -66,7 +67,8 @@ def boxes_of_examples(rng: random.Random) -> Iterator[tuple[Problem, Doubles, Do
         ("twelve-cusps", 3, "8.3", "0.2", True),
     ):
         box = problem(name, leg, length, radius, drift=drift)
-        low, high = (x[:, ::37].copy() for x in box.grid(32))
+        grid = box.grid(32)[::37]
+        low, high = grid.low.copy(), grid.high.copy()
         for row in range(box.size):  # some boxes are narrow
             part = rng.choice((1, 2, 64))
             high[row] = low[row] + (high[row] - low[row]) / part
@@ -86,7 +88,7 @@ def random_point(
 def test_expansions_hold_at_random_points_of_random_boxes() -> None:
     rng = random.Random(1)
     for box, low, high in boxes_of_examples(rng):
-        ring = BoxRing(box, low, high)
+        ring = BoxRing(box, Boxes(low, high))
         with np.errstate(all="ignore"):
             computed = functions(box.systems(ring, 2))
             least = [lowest(function) for function in computed]
@@ -150,8 +152,7 @@ def test_the_least_value_of_a_polynomial_is_bounded_and_often_attained() -> None
 def test_many_boxes_are_multiplied_as_few_are() -> None:
     box, low, high = next(boxes_of_examples(random.Random(3)))
     many, few = (
-        box.systems(BoxRing(box, np.tile(low, (1, n)), np.tile(high, (1, n))), 0).singularity.value
-        for n in (20, 1)
+        box.systems(BoxRing(box, Boxes.joined([Boxes(low, high)] * n)), 0).singularity.value for n in (20, 1)
     )
     columns = low.shape[1]
     assert columns < 256 < 20 * columns
@@ -161,8 +162,7 @@ def test_many_boxes_are_multiplied_as_few_are() -> None:
 
 def test_slopes_at_the_middle_are_derivatives() -> None:
     box = problem("innocenti", 1, "17", "0.3")
-    low, high = (x[:, 5:6] for x in box.grid(32))
-    ring = BoxRing(box, low, high)
+    ring = BoxRing(box, box.grid(32)[5:6])
     computed = functions(box.systems(ring, 2))
     middle = [Fraction(x) for x in ring.middle[:, 0]]
     step = Fraction(1, 10**12)

@@ -132,6 +132,12 @@ def test_parts_of_random_regions_agree_with_a_grid() -> None:
     assert proved >= 50
 
 
+def test_a_part_along_a_straight_singular_curve_is_counted() -> None:
+    m = Manipulator(a2x=10, a3x=5, a3y=8, d1=6, d2=7, d3=7)
+    limits: Limits = {2: (Fraction("7.64"), Fraction("12.92")), 3: (Fraction("3.33"), Fraction("15.24"))}
+    assert parts_of(m, 1, Fraction("8.3"), limits).count == 4
+
+
 def test_poses_are_in_the_parts_that_the_matrix_tells_apart() -> None:
     found = pose_connections(FIRST, 27, 20, 20, limits={"l2": (None, 22)}, parts=True)
     assert found.allowed is not None

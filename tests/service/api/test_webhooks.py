@@ -614,7 +614,8 @@ own = WorkerSettings()
 redis = connect({f"{valkey.url}?db=2"!r})
 Deliverer(redis, WebhookSettings(), own, event_documents(own), 0.5).run(threading.Event())
 """
-    environment = {f"RPR_CUSPS_{name.upper()}": written(value) for name, value in settings}
+    names = ("webhook_hosts", "webhook_networks", "webhook_secret_file", "webhook_timeout_seconds")
+    environment = {f"RPR_CUSPS_{name.upper()}": written(getattr(settings, name)) for name in names}
     with receiving(slow_seconds=0.9) as receiver:
         job_id = canceled(idle, receiver.url)
         with started([sys.executable, "-c", program], env={**os.environ, **environment}) as process:

@@ -7,13 +7,14 @@ from typing import Any
 
 import pytest
 
+from rpr_solver.contract import silent
 from rpr_solver.errors import InputError
 from service.schemas.columns import COLUMNS, POINTS, SIDES, SIX, form_of, geometry_of
 from service.schemas.document import Source, parse_json, read
-from service.schemas.limits import LimitError, Limits
+from service.schemas.limits import Limits
 from service.schemas.poses import PosesRequest
-from service.schemas.questions import check_price
 from service.schemas.tables import CuspTableRequest
+from worker.answers.kind import Store
 from worker.answers.kinds import request_from_json
 
 SOURCE = Source(Limits())
@@ -84,15 +85,16 @@ def test_larger_fields_and_longer_roots_cost_more() -> None:
     assert few < more < most
 
 
-def test_a_root_that_is_too_long_to_compute_with_is_refused_before() -> None:
+def test_roots_that_are_too_long_to_compute_with_are_refused_by_name() -> None:
     number = f"sqrt(1{'7' * 1590})"
     geometry = {
         "base": {"sides": [number, f"{number}", f"sqrt(1{'3' * 1590})"]},
         "platform": {"equilateral": 1},
     }
-    with pytest.raises(LimitError) as caught:
-        check_price(asked(geometry).job_request(), SOURCE.limits)
-    assert caught.value.problems[0].field == "geometry"
+    request = asked(geometry).job_request()
+    with pytest.raises(InputError) as caught:
+        request.kind.compute(request, Store(), silent)
+    assert caught.value.problems[0].field == "geometry.base"
 
 
 def test_columns_of_one_form_are_a_geometry() -> None:
