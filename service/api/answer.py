@@ -13,7 +13,7 @@ from fastapi import Request, Response
 from rpr_solver.errors import InputError, clipped
 from service.api.caller import Admission, caller_of, client_of
 from service.api.context import Context
-from service.api.forms import answer_response, choice_of, kept_response, negotiate, state_response
+from service.api.forms import answer_response, choice_of, kept_response, state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON
@@ -199,7 +199,6 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     if question.callback_url is not None:
         target_of(question.callback_url, settings.webhooks)
     choice = choice_of(request, question.forms)
-    negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
     link = here(f"/v1/jobs/{job_request.job_id}/result{choice.query}")
     of_post = {} if request.method == "GET" else {"Cache-Control": "no-store"}
     headers = {**of_post, "Content-Location": link}

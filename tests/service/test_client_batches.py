@@ -76,7 +76,7 @@ def test_the_asynchronous_client_reads_several_batches_at_once(base_url: str) ->
                     group.start_soon(read, client, name)
             batch = await client.submit(questions(31, 32))
             assert (
-                (await client.wait(batch.id)).status == (await client.batch(batch.id)).status == "succeeded"
+                (await client.wait(batch.id)).status == (await client.batch(batch.id)).status == "completed"
             )
             partial = [r.line async for r in client.results(batch.id, wait=False, after=0)]
             assert len(partial) == 1

@@ -100,7 +100,6 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
     A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """
     choice = choice_of(request, _forms_of(job_id))
-    negotiate(choice.accept, tuple(choice.forms))
     kept = kept_response(context, request, job_id, choice)
     if kept is not None:
         return kept
