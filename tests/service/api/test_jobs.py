@@ -219,7 +219,7 @@ def test_a_full_queue_says_when_to_come_again(alone: httpx.Client) -> None:
 
 
 def test_a_queued_job_shows_its_place(alone: httpx.Client) -> None:
-    body = {"geometry": GEOMETRY, "digits": 30}
+    body = {"geometry": GEOMETRY, "digits": 30, "samples": 5}
     jobs = [alone.post("/v1/cusp-curves", json={**body, "fixed_leg": 1})]
     jobs.append(alone.post("/v1/cusp-tables", json=table(1)))
     assert [job.json()["position"] for job in jobs] == [0, 0], "each in its lane"
@@ -233,7 +233,7 @@ def test_a_queued_job_shows_its_place(alone: httpx.Client) -> None:
 def test_the_wait_follows_the_estimate(valkey: EmbeddedValkey, idle_redis: Redis) -> None:  # noqa: ARG001
     settings = Settings(redis_url=f"{valkey.url}?db=2", longest_poll_seconds=5)
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
-        bodies = [{"geometry": GEOMETRY, "digits": digits} for digits in (30, 31, 32, 33)]
+        bodies = [{"geometry": GEOMETRY, "digits": digits, "samples": 2} for digits in (30, 31, 32, 33)]
         answers = [client.post("/v1/cusp-curves", json=body) for body in bodies]
     waits = [int(answer.headers["retry-after"]) for answer in answers]
     assert waits[0] == 1
