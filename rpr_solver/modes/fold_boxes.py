@@ -18,10 +18,10 @@ from rpr_solver.boxes.balls import Balls, padded
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import RADIANS, TURN, UP
 from rpr_solver.legs import SINGULAR_WAVES, singular_waves
-from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.pose_boxes import LegsInBalls, PoseBoxes, singularity_over, unit_of
+from rpr_solver.paths.proofs import PathLimits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -144,25 +144,23 @@ class FoldBoxes:
     Attributes:
         unit: of lengths, in scaled ones.
         legs: the free legs.
-        limits: the least and the greatest half square of each, less its constant.
+        limits: the free leg and the side of each wall, and its height less the constant of the leg.
     """
 
     unit: Fraction
     legs: LegsInBalls
-    limits: tuple[tuple[float, float], ...]
+    limits: tuple[tuple[int, int, float], ...]
 
     @classmethod
     def of(cls, slice_map: SliceMap, bounds: Mapping[int, Bounds], high: Fraction) -> FoldBoxes:
         """For scaled lengths of the fixed leg up to ``high``, and limits in the user's unit."""
-        unit, limits = unit_of(slice_map, high), []
-        for leg, number in zip((slice_map.f, slice_map.g), free_legs(slice_map.fixed_leg), strict=True):
-            constant = (leg.platform2 + leg.base2) / unit**2
-            low, most = (
-                None if b is None else double(((b * slice_map.scale / unit) ** 2 - constant) / 2)
-                for b in bounds.get(number, (None, None))
-            )
-            limits.append((-np.inf if low is None else low, np.inf if most is None else most))
-        return cls(unit, LegsInBalls.of(slice_map, unit), tuple(limits))
+        unit, legs = unit_of(slice_map, high), (slice_map.f, slice_map.g)
+        constants = [Fraction(leg.platform2 + leg.base2) / 2 for leg in legs]
+        limits = tuple(
+            (wall.leg, wall.side, double((wall.height - constants[wall.leg]) / unit**2))
+            for wall in PathLimits.of(slice_map, bounds).walls
+        )
+        return cls(unit, LegsInBalls.of(slice_map, unit), limits)
 
     def slab(self, low: Fraction, high: Fraction) -> Slab:
         """The slab of a range of scaled lengths."""
@@ -194,15 +192,13 @@ class FoldBoxes:
     def _within(self, own: PoseBoxes) -> Truths:
         """Where no joint limit is exceeded everywhere."""
         inside = np.ones(own.sides[0].mid.shape, dtype=bool)
-        if own.inverse or all(limits == (-np.inf, np.inf) for limits in self.limits):
-            return inside
         number = own.sides[2]
         square = number.mid * number.mid * 0.5
-        for leg, (low, high) in enumerate(self.limits):
+        for leg, side, height in () if own.inverse else self.limits:
             value, (alpha, theta, by_length) = own.value(leg)
             value = Balls(value.mid + square, value.rad + ROUNDING)
             least, most = own.over(value, (alpha, theta, by_length + number)).ends()
-            inside &= ~((most < low) | (least > high))
+            inside &= ~(least > height if side > 0 else most < height)
         return inside
 
     def apart(self, boxes: Boxes, slab: Slab, first: Integers, second: Integers) -> Truths:

@@ -39,6 +39,7 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.corridors import Corridors, WideLoops
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import (
     PROOF_BITS,
@@ -268,8 +269,6 @@ class _Search:
         Raises:
             Unproved: it has less.
         """
-        from rpr_solver.paths.corridors import Corridors, WideLoops  # with NumPy, by those who need it
-
         route, _ = known
         ends, length = (route.start, route.stop), route.start.legs[0]
         corridors = Corridors.of(ends, (length, length), self.frame.sign, asked=asked)

@@ -15,7 +15,7 @@ The proof is of the law as it is written, in ticks of equal time: with u, a, j f
 
     |L̇| ≤ |L′| u,    |L̈| ≤ |L″| u² + |L′| |a|,    |L⃛| ≤ |L‴| u³ + 3 |L″| u |a| + |L′| |j|,
 
-by the bounds of :mod:`rpr_solver.paths.timing` between the places of a tick's ends. A tick takes as long as
+by the bounds of :mod:`rpr_solver.paths.rates` between the places of a tick's ends. A tick takes as long as
 the strictest of these needs.
 """
 
@@ -31,21 +31,15 @@ from itertools import accumulate, pairwise
 from math import ceil, floor, inf, sqrt
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from rpr_solver.exact.decimals import quotient, rounded_up
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.lengths import MotionLimits
+from rpr_solver.paths.rates import PIECES, ArcRates, greatest, multiplied, rates_of
 from rpr_solver.paths.routes import DecimalPose, Route
-from rpr_solver.paths.timing import (
-    NO_DEVIATION,
-    PIECES,
-    ArcRates,
-    Deviation,
-    Place,
-    greatest,
-    multiplied,
-    rates_of,
-)
+from rpr_solver.paths.timing import NO_DEVIATION, Deviation, Place
 
 _TICKS = 96
 """Of a run of one arc, in which the speed of a law is linear."""
@@ -190,7 +184,7 @@ class _Needs:
         times = [0.0, *accumulate(2 * size / (x + y) for size, (x, y) in ways)]
         count = _TICKS * ceil(sqrt(len(self.pieces) / PIECES))
         ticks = [times[-1] * k / count for k in range(1, count)]
-        chosen = [0.0, *(_interpolated(times, speeds, time) for time in ticks), 0.0]
+        chosen: list[float] = [0.0, *np.interp(ticks, times, speeds).tolist(), 0.0]
         whole = tuple(round(_UNIT * x / max(chosen)) for x in chosen)
         if len(self.pieces[0][0]) == len(_POWERS):
             return min((Law(whole, window) for window in _WINDOWS), key=self._time)
@@ -215,11 +209,6 @@ def _most_square(needs: Sequence[float]) -> float:
     speed, bend, _, *jerk = needs
     most = min(1 / speed**2 if speed else inf, 1 / bend if bend else inf)
     return min(most, (1 / jerk[0]) ** (2 / 3)) if jerk and jerk[0] else most
-
-
-def _interpolated(times: Sequence[float], speeds: Sequence[float], time: float) -> float:
-    k = min(bisect_right(times, time) - 1, len(times) - 2)
-    return speeds[k] + (speeds[k + 1] - speeds[k]) * (time - times[k]) / (times[k + 1] - times[k])
 
 
 def _root_up(x: Fraction, n: int) -> Fraction:

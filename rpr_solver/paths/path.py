@@ -51,8 +51,9 @@ from rpr_solver.paths.other_poses import OtherPose, other_poses
 from rpr_solver.paths.path_poses import PathPose, numbered
 from rpr_solver.paths.proofs import BOUND_DIGITS, PROOF_BITS, Clearance, ProvedRoute
 from rpr_solver.paths.question import PathTerms, document_lengths, span_json
-from rpr_solver.paths.routes import IsolatedPose, Route, by_leg
-from rpr_solver.paths.samples import PathSample, SamplingPlan, turns_of
+from rpr_solver.paths.routes import IsolatedPose, Route
+from rpr_solver.paths.samples import PathSample, turns_of
+from rpr_solver.paths.sampling import SamplingPlan
 from rpr_solver.paths.timing import Deviation
 from rpr_solver.singular import SingularCurves
 from rpr_solver.triangles import UserFrame
@@ -296,7 +297,7 @@ def path_of(
     start, stop = named or _numbered(manipulator, route, digits)
     lengths = None
     if start.lengths is None and isinstance(route.start, IsolatedPose):
-        lengths = by_leg(leg, [length / slice_map.scale for length in route.start.legs])
+        lengths = route.start.lengths
     route, frame = _begun(route, start), UserFrame.of(manipulator.geometry)
     cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
@@ -327,9 +328,7 @@ def _numbered(manipulator: Manipulator, route: Route, digits: int) -> tuple[Path
     """The poses at the ends of a route that comes back to its leg lengths."""
     assert isinstance(route.start, IsolatedPose), "poses that are given are known"
     assert isinstance(route.stop, IsolatedPose), "poses that are given are known"
-    leg, scale = route.slice_map.fixed_leg, route.slice_map.scale
-    lengths = by_leg(leg, [length / scale for length in route.start.legs])
-    table = poses(manipulator, *lengths, digits=digits)
+    table, leg = poses(manipulator, *route.start.lengths, digits=digits), route.slice_map.fixed_leg
     return numbered(route.start, table, leg), numbered(route.stop, table, leg)
 
 

@@ -207,15 +207,16 @@ class PoseGrid:
 
     def room_within(self, spots: Doubles) -> Doubles:
         """About how much half squares of legs are inside the limits, the least of all limits, relative."""
-        found = np.full(spots.shape[:-1], np.inf)
-        for wall, height in zip(self.limits.walls, self._heights, strict=True):
-            square = half_squares(self.field, spots)[wall.leg]
-            found = np.minimum(found, (height - square) * wall.side)
-        return found
+        rooms: Doubles = np.min([np.full(spots.shape[:-1], np.inf), *self._rooms_within(spots)], axis=0)
+        return rooms
 
-    @cached_property
-    def _heights(self) -> list[float]:
-        return [double(wall.height / self.field.unit**2) for wall in self.limits.walls]
+    def _rooms_within(self, spots: Doubles) -> list[Doubles]:
+        """The same for each of the limits."""
+        squares = half_squares(self.field, spots) if self.limits.walls else []
+        return [
+            (double(wall.height / self.field.unit**2) - squares[wall.leg]) * wall.side
+            for wall in self.limits.walls
+        ]
 
     @cached_property
     def _within(self) -> Doubles:
@@ -223,8 +224,7 @@ class PoseGrid:
         nodes, ones = self.slices[0].nodes, np.ones((*self.slices[0].nodes.shape[:2], 1))
         spots = np.stack([np.concatenate([nodes, x * ones], -1) for x in self.lengths])
         found = np.full(spots.shape[:-1], np.inf)
-        for wall, height in zip(self.limits.walls, self._heights, strict=True):
-            room = (height - half_squares(self.field, spots)[wall.leg]) * wall.side
+        for room in self._rooms_within(spots):
             slope = sum(abs(np.roll(room, 1, axis) - np.roll(room, -1, axis)) / 2 for axis in (1, 2))
             found = np.minimum(found, room * self.slices[0].step / (slope + 1e-300))
         return found

@@ -29,7 +29,7 @@ from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.path_poses import PathPose, isolated, of_table
 from rpr_solver.paths.proofs import BEST, PROOF_BITS, PathLimits, outside
 from rpr_solver.paths.routes import EndPose, GivenPose, by_leg, local_map
-from rpr_solver.paths.samples import SamplingPlan
+from rpr_solver.paths.sampling import SamplingPlan
 
 _SPARE_BITS = 64
 

@@ -93,6 +93,11 @@ class IsolatedPose:
         found = alone_near(_step_of(slice_map, legs), start)
         return None if found is None else cls(slice_map, legs, (found.room[0], found.room[1]))
 
+    @property
+    def lengths(self) -> Legs:
+        """L1, L2 and L3, in the user's unit."""
+        return by_leg(self.slice_map.fixed_leg, [length / self.slice_map.scale for length in self.legs])
+
     def refined(self, bits: int) -> Angles:
         """The angles as balls with about ``bits`` correct bits.
 

@@ -1,8 +1,5 @@
 """Samples of a path: points of the proved path in decimals, with their times and their clearance.
 
-There is a number of them, one in each step of time, or as many as are needed for a small deviation of legs
-that move linearly from row to row.
-
 The clearance of a sample is a proved lower bound of the distance to all singular poses of the slice: in a
 direction of unit length, J changes at first by |∇J| at most, and its second derivative is at most M anywhere.
 So J ≠ 0 within the positive root ρ of |J| − |∇J| ρ − M ρ²/2. M follows from the amplitudes of the sinusoids
@@ -11,33 +8,27 @@ of which J consists.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
-from math import ceil, degrees, inf
-from statistics import median
+from math import ceil, degrees
+from typing import TypeAlias
 
 from flint import acb, arb, ctx
 
-from rpr_solver.contract import DEFAULT_SAMPLES, MOST_SAMPLES
-from rpr_solver.errors import InputError, Unproved, shown
-from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down, rounded_up
-from rpr_solver.exact.numerals import double
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.decimals import digit_bits, round_all, round_ball, round_down
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.given_poses import IN_GIVEN_FRAME, working_bits
 from rpr_solver.model.given_poses import Course as GivenCourse
 from rpr_solver.model.jets import Jet
-from rpr_solver.model.lengths import OF_LIMITS, MotionLimits, MotionQuestion, Sampling, rows_of, sample_count
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.proofs import BOUND_DIGITS
 from rpr_solver.paths.routes import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
-from rpr_solver.paths.timing import TIMINGS, Course, Deviation, Place, TimedCourse
 from rpr_solver.triangles import UserFrame
 
 
@@ -73,6 +64,8 @@ def _slopes(leg: Leg, length: arb) -> tuple[list[arb], list[arb]]:
     return [x + platform * base for x in both], [x + length * base for x in both]
 
 
+_Known: TypeAlias = tuple[str | None, str | None]
+"""α and θ as text, where they are known."""
 _TRIES = 4
 _TAU_STEPS = 10**15
 _BESIDE = 1009
@@ -176,31 +169,36 @@ class Points:
         for attempt in range(_TRIES):
             # a coordinate that is exactly 0 or half-way between decimals cannot be rounded; beside it, it can
             beside = Fraction(near + attempt * _BESIDE * (1 if tau < 0.5 else -1), _TAU_STEPS)
-            for bits, arcs in self.arcs.items():
-                with ctx.workprec(bits):
-                    sample = self._rounded(arcs[number].at(ball_of(beside)), time, number + beside)
-                if sample is not None:
-                    return self._placed(sample, partial(self._on_arc, number, beside))
+            sample = self._sample(partial(self._on_arc, number, beside), time, number + beside)
+            if sample is not None:
+                return sample
         raise Unproved("the digits of a sample could not be proved")
 
     def end(self, pose: EndPose, angles: tuple[str, str], time: Fraction, place: Fraction) -> PathSample:
         """The sample of a pose at an end; ``angles`` are its own as text, apart from whole turns."""
         turns = turns_of(pose.angles, angles)
         kept = [None if n else text for n, text in zip(turns, angles, strict=True)]
+        if (sample := self._sample(partial(_at_end, pose), time, place, (kept[0], kept[1]))) is None:
+            raise Unproved("the digits of an end could not be proved")
+        return sample
+
+    def _sample(
+        self, point_at: Callable[[int], Point], time: Fraction, place: Fraction, known: _Known = (None, None)
+    ) -> PathSample | None:
+        """The sample at a point, at the first precision that proves its digits; None if none does."""
         for bits in self.arcs:
             with ctx.workprec(bits):
-                point = _at_end(pose, bits)
-                sample = self._rounded(point, time, place, (kept[0], kept[1]))
-                if sample is not None:
-                    return self._placed(sample, partial(_at_end, pose))
-        raise Unproved("the digits of an end could not be proved")
+                sample = self._rounded(point_at(bits), time, place, known)
+            if sample is not None:
+                return self._placed(sample, point_at)
+        return None
 
     def _rounded(
         self,
         point: Point,
         time: Fraction,
         place: Fraction,
-        known: tuple[str | None, str | None] = (None, None),
+        known: _Known,
     ) -> PathSample | None:
         """The sample at a point, with the angles that are known; None if the balls are too wide."""
         alpha, theta, length = point
@@ -240,205 +238,3 @@ def wrapped(angle: arb) -> arb:
     """An angle in degrees, in (−180, 180] up to the width of its ball."""
     in_degrees = angle * 180 / arb.pi()
     return in_degrees - 360 * ceil((float(in_degrees.mid()) - 180) / 360)
-
-
-@dataclass(frozen=True)
-class Sampled:
-    """The samples of a path, and what follows from them.
-
-    Attributes:
-        samples: points of the path.
-        duration: the time of the last one.
-        motion: within limits; None if a law of time was given.
-        deviation: bounds, by legs, of what linear motion between rows deviates from the path. None unless
-            limits of motion or another sampling than by number were asked for.
-    """
-
-    samples: tuple[PathSample, ...]
-    duration: Fraction
-    motion: Motion | None = None
-    deviation: Deviation | None = None
-
-
-@dataclass(frozen=True)
-class SamplingPlan:
-    """How a path is sampled, and at which times.
-
-    Attributes:
-        count: the number of samples; None if they come by steps or chords.
-        timing: the law of time; ``"motion"`` with limits of motion.
-        duration: the time of the last sample; None with limits of motion.
-        step: the time between samples.
-        chord: what linear motion between rows may deviate.
-        limits: of the motion.
-    """
-
-    count: int | None
-    timing: str
-    duration: Fraction | None
-    step: Fraction | None = None
-    chord: Fraction | None = None
-    limits: MotionLimits | None = None
-
-    @classmethod
-    def of(
-        cls,
-        samples: int | None = None,
-        timing: str | None = None,
-        duration: Exact | None = None,
-        motion: MotionQuestion | None = None,
-        sampling: Sampling | None = None,
-    ) -> SamplingPlan:
-        """The plan, checked; without options that of a path of which nothing more is said.
-
-        Raises:
-            InputError: naming ``samples``, ``timing``, ``duration``, ``motion`` or ``sampling``; what follows
-                from another one may not be given.
-        """
-        spare = {"samples": (samples, sampling), "timing": (timing, motion), "duration": (duration, motion)}
-        for name, (given, asked) in spare.items():
-            if given is not None and asked is not None:
-                other = "sampling" if name == "samples" else "motion"
-                raise InputError.of(name, f"follows from {other}; leave it out")
-        samples = DEFAULT_SAMPLES if samples is None else samples
-        timing = "cosine" if timing is None else timing
-        rows = (sample_count(samples), None, None) if sampling is None else rows_of(sampling)
-        count, step, chord = rows
-        if timing not in TIMINGS:
-            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
-        if motion is None:
-            time = parse_positive(1 if duration is None else duration, "duration", "a duration must be > 0")
-            if step is not None:
-                check_steps(step, time)
-            return cls(count, timing, time, step, chord)
-        return cls(count, OF_LIMITS, None, step, chord, MotionLimits.of(motion))
-
-    def json(self) -> dict[str, dict[str, str]]:
-        """The contract's ``sampling``; empty for samples by number."""
-        own = {"step": self.step, "chord": self.chord}
-        asked = {name: exact_str(x) for name, x in own.items() if x is not None}
-        return {"sampling": asked} if asked else {}
-
-    def sampled(
-        self,
-        route: Route,
-        angles: tuple[tuple[str, str], tuple[str, str]],
-        digits: int,
-        frame: UserFrame | None,
-    ) -> Sampled:
-        """The samples of a path, its ends included, and in the given frame if there is one.
-
-        ``angles`` are α and θ at the ends, as text, in (−180, 180].
-
-        Raises:
-            InputError: naming ``sampling`` or ``motion``.
-            Unproved: the digits of a sample could not be proved.
-        """
-        course: Course
-        if self.limits is None:
-            assert self.duration is not None, "a law of time has a duration"
-            course, motion = TimedCourse(route, self.timing, self.duration), None
-        else:
-            course = motion = Motion.of(route, self.limits)
-        points, samples = Points.of(route, digits, frame), []
-        times = list(self._times(course))
-        for k, time in enumerate(times):
-            if 0 < k < len(times) - 1:
-                arc, tau = course.place(time)
-                samples.append(points.between(arc, tau, time))
-            else:
-                pose = route.stop if k else route.start
-                place = Fraction(len(route.arcs) if k else 0)
-                samples.append(points.end(pose, angles[1 if k else 0], time, place))
-        deviation = None
-        if motion is not None or self.count is None:
-            deviation = self._deviation(course, samples, route, digits)
-        return Sampled(tuple(samples), course.duration, motion, deviation)
-
-    def _times(self, course: Course) -> Iterator[Fraction]:
-        duration = course.duration
-        if self.count is not None:
-            yield from (duration * Fraction(k, self.count - 1) for k in range(self.count))
-        elif self.step is not None:
-            check_steps(self.step, duration)
-            yield from (self.step * k for k in range(-int(-duration / self.step // 1)))
-            yield duration
-        else:
-            yield from self._by_chord(course)
-
-    def _by_chord(self, course: Course) -> Iterator[Fraction]:
-        """Times, halved until linear motion between them is near enough to the path."""
-        assert self.chord is not None, "a plan has a number, a step or a chord"
-        most = self.chord * _SPARE
-        zero, end = Fraction(0), course.duration
-        stack, count = [(zero, end)], 1
-        yield zero
-        while stack:
-            low, high = stack.pop()
-            if max(course.deviation((low, high), (course.place(low), course.place(high)))) <= most:
-                yield high
-                continue
-            count += 1
-            needed = self._needed(course, most) if count == _FEW else [0.0]
-            if count >= MOST_SAMPLES or len(needed) * median(needed) > _BEYOND * MOST_SAMPLES:
-                message = f"is {exact_str(self.chord)}; it needs more than {MOST_SAMPLES} samples"
-                if 0 < (total := sum(needed)) < inf:
-                    enough = rounded_up(self.chord * Fraction(2 * total / MOST_SAMPLES) ** 2, 1)
-                    message += f": give about {exact_str(enough)} or more"
-                raise InputError.of("sampling.chord", message)
-            middle = (low + high) / 2
-            stack += [(middle, high), (low, middle)]
-
-    def _needed(self, course: Course, most: Fraction) -> list[float]:
-        """About how many samples are needed in each of a few parts of the path, from their deviations.
-
-        A chord that is far too small is refused by it at once, rather than after as many samples as may be.
-        """
-        marks = [
-            (time, course.place(time)) for time in (course.duration * k / _PARTS for k in range(_PARTS + 1))
-        ]
-        return [
-            double(max(course.deviation((a, b), (x, y))) / most) ** 0.5 for (a, x), (b, y) in pairwise(marks)
-        ]
-
-    def _deviation(
-        self, course: Course, samples: Sequence[PathSample], route: Route, digits: int
-    ) -> Deviation:
-        """The greatest deviation between rows, rounded up; with what their digits may be wrong."""
-        worst = [Fraction(0)] * 3
-        ends = [_arc_of(sample.place, len(route.arcs)) for sample in samples]
-        for pair, ways in zip(pairwise(samples), pairwise(ends), strict=True):
-            bounds = course.deviation((pair[0].time, pair[1].time), ways)
-            worst = [max(x, y) for x, y in zip(worst, bounds, strict=True)]
-        rounding = [
-            max(Fraction(sample.lengths[k]) for sample in samples) / 10 ** (digits - 1) for k in range(3)
-        ]
-        held, length = route.slice_map.fixed_leg - 1, route.start.legs[0] / route.slice_map.scale
-        if not worst[held] and all(Fraction(sample.lengths[held]) == length for sample in samples):
-            rounding[held] = Fraction(0)
-        if self.chord is not None and max(map(sum, zip(worst, rounding, strict=True))) > self.chord:
-            raise Unproved("the chord is too small for these digits; ask for more digits")
-        return tuple(rounded_up(x + y, BOUND_DIGITS) for x, y in zip(worst, rounding, strict=True))
-
-
-_FEW, _PARTS, _BEYOND = 64, 32, 8
-"""After so many halvings the number of samples is estimated, by the median of so many parts. Bounds of their
-deviations are too large, but hardly 64 times, so that this many times too many samples are too many."""
-_SPARE = Fraction(999, 1000)
-"""The share of a chord that is used, the rest being for digits."""
-
-
-def _arc_of(place: Fraction, arcs: int) -> Place:
-    arc = min(int(place), arcs - 1)
-    return arc, place - arc
-
-
-def check_steps(step: Fraction, duration: Fraction) -> None:
-    """Checks that steps of time do not give too many samples.
-
-    Raises:
-        InputError: naming ``sampling.step``.
-    """
-    if duration / step > MOST_SAMPLES - 1:
-        message = f"is {exact_str(step)}; it gives more than {MOST_SAMPLES} samples"
-        raise InputError.of("sampling.step", message)

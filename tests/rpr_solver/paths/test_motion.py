@@ -15,8 +15,8 @@ from rpr_solver import EXAMPLES, InputError, Path, SolverError, cusp_loop, joint
 from rpr_solver.model.lengths import MotionLimits
 from rpr_solver.paths import motion as motions
 from rpr_solver.paths.motion import Law
+from rpr_solver.paths.rates import rates_of
 from rpr_solver.paths.routes import DecimalPose, Route
-from rpr_solver.paths.timing import rates_of
 from tests.rpr_solver.paths.test_joint_paths import a_pair
 
 FIRST = EXAMPLES["innocenti"]

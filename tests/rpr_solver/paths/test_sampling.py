@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, cusp_loop, path_csv
-from rpr_solver.paths import samples as sampling_plans
+from rpr_solver.paths import sampling as sampling_plans
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.timing import TimedCourse
 from tests.rpr_solver.paths.test_motion import USUAL, joined, random_motion, random_path, the_loop
