@@ -424,6 +424,12 @@ def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: R
     assert idle_redis.keys("cusps:job*") == []
 
 
+def test_a_replay_says_that_it_is_one(idle: httpx.Client) -> None:
+    key = {**NDJSON, "Idempotency-Key": "sent-twice"}
+    answers = [idle.post("/v1/batches", content=lines(poses(15)), headers=key) for _ in range(2)]
+    assert [answer.headers.get("idempotent-replayed") for answer in answers] == [None, "true"]
+
+
 def test_another_process_serves_the_batch(valkey: EmbeddedValkey, idle_redis: Redis) -> None:
     settings = Settings(redis_url=f"{valkey.url}?db=2")
     key = {**NDJSON, "Idempotency-Key": "before-and-after"}

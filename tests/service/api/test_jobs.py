@@ -62,6 +62,7 @@ def ids(client: httpx.Client, path: str, headers: Headers | None = None) -> list
         assert answer.status_code == 200, answer.text
         found += [item["id"] for item in answer.json()["items"]]
         following = answer.json()["next"]
+        assert answer.headers.get("link") == (None if following is None else f'<{following}>; rel="next"')
     return found
 
 
