@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -13,13 +15,14 @@ from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import Workers, until
 from tests.support.service_server import GEOMETRY, serving
+from tests.support.stack import running
 
 WAIT = {"Prefer": "wait=30"}
 
 
 def test_what_is_new_takes_few_commands(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
-    """From the request to the end of the chunk, without what workers do at every beat whatever happens."""
-    workers.start(beat_interval=100, beat_ttl=300)
+    """From the request to the end of the chunk."""
+    workers.start()
     with serving(Settings(redis_url=valkey.url)) as url, httpx.Client(base_url=url, timeout=60) as client:
 
         def ask(path: str, body: object) -> None:
@@ -37,6 +40,22 @@ def test_what_is_new_takes_few_commands(valkey: EmbeddedValkey, redis: Redis, wo
     assert 10 < len(documents) < 20, documents
     assert len(slice_) < 90, "with those inside scripts"
     assert len(document) < 70, document
+
+
+def test_who_waits_asks_little(tmp_path: Path) -> None:
+    """An API process and two workers without work: searches for lost chunks, registers, and waits."""
+    with running(tmp_path, workers=2) as stack, stack.redis() as redis:
+        until(lambda: redis.scard("rq:workers") == 2)
+        before, begin = processed(redis), time.monotonic()
+        time.sleep(6)  # longer than the longest interval between two commands
+        rate = (processed(redis) - before) / (time.monotonic() - begin)
+    print(f"{rate:.1f} commands a second")  # shown by `pytest -rP`
+    assert 0 < rate <= 10
+
+
+def processed(redis: Redis) -> int:
+    """How many commands the server has performed, with those inside scripts."""
+    return int(redis.info("stats")["total_commands_processed"])
 
 
 def commands(redis: Redis, act: Callable[[], object]) -> list[str]:
