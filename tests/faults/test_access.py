@@ -14,7 +14,7 @@ import pytest
 
 from service.stack.embedded_valkey import runtime_dir
 from tests.support.processes import PATIENCE, Workers, completed, environment, started
-from tests.support.service_server import GEOMETRY
+from tests.support.service_server import GEOMETRY, NO_WAIT
 
 
 def command(data: Path, *arguments: str) -> list[str]:
@@ -77,7 +77,7 @@ def test_a_name_to_listen_on(tmp_path: Path) -> None:
     with running(tmp_path, "--host", "127.1") as (base, _):
         port = base.rpartition(":")[2]
         for host, status in ((f"127.1:{port}", 200), (f"127.2:{port}", 421)):
-            assert httpx.get(f"{base}/version", headers={"Host": host}).status_code == status
+            assert httpx.get(f"{base}/v1/version", headers={"Host": host}).status_code == status
 
 
 def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
@@ -95,8 +95,8 @@ def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
             )
             for key in keys
         )
-        other.post("/v1/cusp-tables", json=question)
-        first = owner.post("/v1/cusp-tables", json=question).json()
+        other.post("/v1/cusp-tables", json=question, headers=NO_WAIT)
+        first = owner.post("/v1/cusp-tables", json=question, headers=NO_WAIT).json()
         for client in (other, stranger):
             client.delete(first["links"]["self"])
             assert owner.get(first["links"]["self"]).json()["status"] == "queued"
