@@ -232,16 +232,10 @@ class _Tube:
         size = size if along > 0 else -size
         t = _triple((x / size).mid() for x in tangent)
         across = _across(t, rows)
-        columns = [[_dot(row, n) for n in across] for row in rows]
-        det = columns[0][0] * columns[1][1] - columns[0][1] * columns[1][0]
-        if det.contains(0):
+        try:
+            inverse = arb_mat([[_dot(row, n) for n in across] for row in rows]).inv().mid()
+        except ZeroDivisionError:
             return None
-        inverse = arb_mat(
-            [
-                [(columns[1][1] / det).mid(), (-columns[0][1] / det).mid()],
-                [(-columns[1][0] / det).mid(), (columns[0][0] / det).mid()],
-            ]
-        )
         straight = [arb_poly([x, d]) for x, d in zip(origin, t, strict=True)]
         bend = inverse * arb_mat([[x] for x in carrier.residue(straight, arb(0), 2)[2]])
         hat = [
@@ -260,19 +254,18 @@ class _Tube:
         inverse: arb_mat,
         reach: arb,
     ) -> _Tube | None:
-        middle = reach / 2
-        half = middle
+        middle = half = reach / 2
         piece = arb(middle, half)
         near, wide = carrier.residue(hat, middle, 2), carrier.residue(hat, piece, 3)
         errors = [
             sum((abs(near[k][i]) * half**k for k in range(3)), arb(0)) + abs(wide[3][i]) * half**3
             for i in range(2)
         ]
-        least = [
-            sum((abs(inverse[i, k]) * errors[k] for k in range(2)), arb(0)).abs_upper() for i in range(2)
-        ]
         floor = arb(2) ** -(ctx.prec // 2)
-        least = [x + floor for x in least]
+        least = [
+            sum((abs(inverse[i, k]) * errors[k] for k in range(2)), arb(0)).abs_upper() + floor
+            for i in range(2)
+        ]
         rows: tuple[Triple, Triple, Triple] | None = None
 
         def slopes_over(radii: Two) -> Slopes:
