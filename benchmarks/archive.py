@@ -49,7 +49,7 @@ AT_ONCE = 2  # jobs that wait or run
 GROUP = 500  # slices that are written at once
 WAIT = {"Prefer": "wait=30"}
 PAUSE = 25.0  # seconds for several rounds of the process that moves
-LIMITS = {"MAX_SLICES": "100000", "MAX_COST_SECONDS": "100000", "MAX_RESULT_BYTES": str(1 << 30)}
+LIMITS = {"MAX_SLICES": "100000", "MAX_COST_SECONDS": "100000"}
 
 say = partial(print, flush=True)
 

@@ -14,19 +14,23 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from prometheus_client.metrics import MetricWrapperBase
 from pydantic import BaseModel
+from redis import Redis
 
 import rpr_solver
 from service.api import Settings
 from service.api.app import create_app
-from service.api.metrics import OF_INSTALLATION, OF_PROCESS
+from service.api.metrics import Metrics, of_installation
 from service.api.problems import ProblemType
 from service.cli.main import COMMANDS, command_of
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.webhooks import WebhookSettings
+from worker.jobs.installation import Load
+from worker.jobs.queue import JobQueue
 from worker.limits import is_setting
 from worker.settings import ConnectionSettings, WorkerSettings, written
 
@@ -82,15 +86,37 @@ def problems() -> Iterator[str]:
 
 def metrics() -> Iterator[str]:
     """Yields every metric, by what it is about."""
-    for group, families in (
-        ("of one API process", OF_PROCESS),
-        ("of the whole installation", OF_INSTALLATION),
-    ):
+    for group, members in families().items():
         rows = [
-            (f"`{family.shown}`", family.kind, ", ".join(f"`{x}`" for x in family.labels), family.meaning)
-            for family in families
+            (f"`{one.name}`", one.kind, ", ".join(f"`{x}`" for x in one.labels) or "–", one.meaning)
+            for one in members
         ]
-        yield from table((group, "type", "labels", "meaning"), [tuple(c or "–" for c in row) for row in rows])
+        yield from table((group, "type", "labels", "meaning"), rows)
+
+
+class Family(NamedTuple):
+    """A metric as it is in the text format."""
+
+    name: str
+    kind: str
+    labels: tuple[str, ...]
+    meaning: str
+
+    @classmethod
+    def of(cls, metric: Any) -> Family:
+        """Returns what a metric of `prometheus_client`, or a family of its samples, says of itself."""
+        [about] = metric.describe() if isinstance(metric, MetricWrapperBase) else [metric]
+        name = about.name + "_total" * (about.type == "counter")
+        return cls(name, about.type, tuple(metric._labelnames), about.documentation)
+
+
+def families() -> dict[str, list[Family]]:
+    """Returns every metric, by what it is about; nothing is connected."""
+    own = vars(Metrics(JobQueue(Redis()))).values()
+    return {
+        "of one API process": [Family.of(one) for one in own if isinstance(one, MetricWrapperBase)],
+        "of the whole installation": [Family.of(one) for one in of_installation(Load())],
+    }
 
 
 def options() -> Iterator[str]:

@@ -73,7 +73,7 @@ from .singular import singular_curves as singular_curves
 from .singular import trace_slice as trace_slice
 from .singular.aspects import Aspect as Aspect
 from .singular.aspects import RangeAspect as RangeAspect
-from .singular.aspects import range_aspects as range_aspects
+from .singular.aspects import aspects as aspects
 from .singular.drawing import Strand as Strand
 from .singular.regions import Region as Region
 from .singular.vertices import Vertex as Vertex

@@ -17,7 +17,6 @@ import yaml
 from redis import Redis
 
 from rpr_solver import SOLVER_VERSION
-from service.api.metrics import QUEUE_AGE
 from service.cli.serve import unknown_settings
 from worker.jobs.chunks import ChunkQueue
 from worker.settings import WorkerSettings
@@ -140,7 +139,7 @@ def test_each_component_adds_what_it_says_to_the_rest(tmp_path: Path) -> None:
             [scaled] = [r for r in resources if r["kind"] == "ScaledObject"]
             assert [t["type"] for t in scaled["spec"]["triggers"]][-1] == "metrics-api"
             location = scaled["spec"]["triggers"][-1]["metadata"]["valueLocation"]
-            assert location == QUEUE_AGE.shown + '{lane="small"}'
+            assert location == 'rpr_cusps_queue_age_seconds{lane="small"}'
     assert found == {
         "api-scaling": {("HorizontalPodAutoscaler", "api")},
         "ingress": {("Ingress", "api")},

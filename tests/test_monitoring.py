@@ -16,7 +16,7 @@ import httpx
 import pytest
 import yaml
 
-from service.api.metrics import OF_INSTALLATION, OF_PROCESS
+from docs.reference import families
 from tests.support.processes import PATIENCE, started
 from tests.support.service_server import GEOMETRY
 from tests.support.stack import running
@@ -35,8 +35,9 @@ NEEDS_PROMETHEUS = pytest.mark.skipif(
     not (shutil.which("promtool") and shutil.which("prometheus")), reason="needs prometheus and promtool"
 )
 METRICS = {
-    family.shown + ending: {*family.labels, *(("le",) if ending == "_bucket" else ()), "instance", "job"}
-    for family in (*OF_PROCESS, *OF_INSTALLATION)
+    family.name + ending: {*family.labels, *(("le",) if ending == "_bucket" else ()), "instance", "job"}
+    for group in families().values()
+    for family in group
     for ending in (("_bucket", "_sum", "_count") if family.kind == "histogram" else ("",))
 }
 RESULT = re.compile(r"(?:by|without) \(([\w, ]+)\)")

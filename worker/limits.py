@@ -38,7 +38,7 @@ Deadline = Annotated[
     PositiveFloat,
     Field(
         allow_inf_nan=False,
-        description="maximum `deadline_s` of a request, and run time of a chunk, in seconds",
+        description="maximum `deadline_seconds` of a request, and run time of a chunk, in seconds",
     ),
 ]
 """A setting of the workers, and a limit of requests."""

@@ -9,12 +9,12 @@ import os
 import queue
 import sys
 import threading
-import time
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from datetime import UTC, datetime
+from logging.handlers import QueueHandler, QueueListener
 from types import MappingProxyType, TracebackType
 from typing import Any, Literal, TextIO, cast
 
@@ -22,7 +22,6 @@ LogFormat = Literal["text", "json"]
 
 _WAITING_LINES = 10_000
 _LAST_LINES_PATIENCE = 2.0
-_PAUSE = 0.02  # in which lines gather, to be written together
 
 _subject: ContextVar[Mapping[str, str]] = ContextVar("subject", default=MappingProxyType({}))
 
@@ -141,47 +140,31 @@ class _Json(logging.Formatter):
         return json.dumps(line, ensure_ascii=False, default=str)
 
 
-class _Background(logging.Handler):
+class _Background(QueueHandler):
     """Hands formatted lines to a thread; drops them while too many wait."""
 
     def __init__(self, stream: TextIO) -> None:
-        super().__init__()
-        self._stream = stream
-        self._lines: queue.Queue[str | None] = queue.Queue(_WAITING_LINES)
+        self._lines: queue.Queue[logging.LogRecord] = queue.Queue(_WAITING_LINES)
+        super().__init__(self._lines)
         self._dropped = 0
-        self._thread = threading.Thread(target=self._write, name="log", daemon=True)
-        self._thread.start()
+        QueueListener(self._lines, logging.StreamHandler(stream)).start()
         atexit.register(self._end)
 
-    def emit(self, record: logging.LogRecord) -> None:
+    def enqueue(self, record: logging.LogRecord) -> None:
         try:
             if self._dropped:
-                dropped = logging.makeLogRecord({**record.__dict__, "args": None, "exc_info": None})
-                dropped.msg = f"{self._dropped} log lines were dropped, because they were not read"
-                self._lines.put_nowait(self.format(dropped))
+                text = f"{self._dropped} log lines were dropped, because they were not read"
+                self._lines.put_nowait(self.prepare(_record(record.name, text, record.levelno)))
                 self._dropped = 0
-            self._lines.put_nowait(self.format(record))
+            self._lines.put_nowait(record)
         except queue.Full:
             self._dropped += 1
 
-    def _write(self) -> None:
-        is_over = False
-        while not is_over:
-            lines = [self._lines.get()]
-            time.sleep(_PAUSE)
-            while not self._lines.empty():
-                lines.append(self._lines.get())
-            is_over = None in lines
-            with suppress(OSError, ValueError):  # nobody reads, or the stream is closed
-                self._stream.write("".join(f"{line}\n" for line in lines if line is not None))
-                self._stream.flush()
-
     def _end(self) -> None:
-        try:
-            self._lines.put(None, timeout=_LAST_LINES_PATIENCE)
-        except queue.Full:
-            return
-        self._thread.join(_LAST_LINES_PATIENCE)
+        with self._lines.all_tasks_done:
+            self._lines.all_tasks_done.wait_for(
+                lambda: not self._lines.unfinished_tasks, _LAST_LINES_PATIENCE
+            )
 
 
 def _time(record: logging.LogRecord) -> str:

@@ -17,7 +17,7 @@ from fractions import Fraction
 from flint import arb, arb_mat, ctx
 
 from rpr_solver.boxes.krawczyk import Slopes, contracting_radii
-from rpr_solver.boxes.newton import newton_image
+from rpr_solver.boxes.newton import narrowed, newton_image
 from rpr_solver.boxes.systems import Box
 from rpr_solver.curves.neighbourhood import (
     ALONG_L,
@@ -35,10 +35,6 @@ from rpr_solver.exact.real_roots import ball_of
 
 _BOUND_BITS = 64
 """The precision of bounds over a tube, which need few digits."""
-_NEWTON_STEPS = 6
-"""Steps to a point near a zero; with fewer, boxes are wider, and nothing is wrong."""
-_NEAR = arb(2) ** -40
-"""The last step is the first that is smaller than its box by this factor: the next is beyond all bits."""
 _SLIM = arb(2) ** -20
 """The radius of a tube round a curve that its parabola meets exactly, as a share of the reach."""
 _MOST_HALVINGS = 8
@@ -268,34 +264,14 @@ def _absolute(pair: Two) -> Two:
 
 
 def _contracted(nonlinear: tuple[Expansion, Expansion], r: arb, box: Two) -> Two:
-    """The part of a box that can contain zeros, by an interval Newton step from a point near them.
-
-    With bounds G′ of the derivatives over the box, every zero is at x − G′⁻¹ G(x), for any point x in it.
-    """
+    """The part of a box that can contain zeros of G = (p, q) + N, by interval Newton steps."""
     forms = [at_parameter(n, r) for n in nonlinear]
-    start: Box = [w.mid() for w in box]
-    point = start
-    for _ in range(_NEWTON_STEPS):
-        image = _image(values(forms, *point), point)
-        if image is None:
-            break
-        moves = sum((abs(x - y) for x, y in zip(image, point, strict=True)), arb(0))
-        point = [x.mid() for x in image]
-        if moves < _NEAR * (box[0].rad() + box[1].rad()):
-            break
-    if not all(w.contains(x) for w, x in zip(box, point, strict=True)):
-        point = start
-    over_box = values(forms, *box)
-    for at_point, wide in zip(values(forms, *point), over_box, strict=True):
-        wide[0, 0] = at_point[0, 0]
-    image = _image(over_box, point)
-    if image is None:
-        return box
-    return box[0].intersection(image[0]), box[1].intersection(image[1])
 
+    def step(point: Box, box: Box) -> Box | None:
+        gaps = [x + table[0, 0] for x, table in zip(point, values(forms, *point), strict=True)]
+        (a, b), (c, d) = ((table[1, 0], table[0, 1]) for table in values(forms, *box))
+        return newton_image(point, gaps, [[1 + a, b], [c, 1 + d]])
 
-def _image(tables: list[arb_mat], point: Box) -> Box | None:
-    """That of an interval Newton step for G = (p, q) + N; the tables have N at the point, and N′."""
-    gaps = [x + table[0, 0] for x, table in zip(point, tables, strict=True)]
-    (a, b), (c, d) = ((table[1, 0], table[0, 1]) for table in tables)
-    return newton_image(point, gaps, [[1 + a, b], [c, 1 + d]])
+    # more digits than a box has to have in build, so that the next tube begins with this one
+    p, q = narrowed(step, list(box), ctx.prec * 2 // 3)
+    return p, q

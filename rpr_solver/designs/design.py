@@ -236,9 +236,9 @@ def design(
     """Searches for a geometry with a longer range, a smaller change, a larger margin, or more cusps.
 
     Each candidate is examined by an exact census. An evolution strategy looks for regions of good geometries,
-    and linear programmes on the sensitivities of the transitions improve the best ones. The same question
-    has the same answer, which is proved by a check, a census and a margin of its own. It is the best that was
-    found, not proved to be the best that exists.
+    and linear programmes on the sensitivities of the transitions improve the best ones, but not margins,
+    which the strategy alone makes larger. The same question has the same answer, which is proved by a check,
+    a census and a margin of its own. It is the best that was found, not proved to be the best that exists.
 
     Args:
         manipulator: the geometry from which the search begins.

@@ -13,7 +13,7 @@ from math import inf
 
 import numpy as np
 
-from rpr_solver.designs.goals import Cut, Profile, Run, Vector, best_run, most_cusps, windows
+from rpr_solver.designs.goals import Cut, Profile, Vector, best_run, most_cusps, windows
 from rpr_solver.designs.plan import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS, Goal
 from rpr_solver.exact.numerals import double
 from rpr_solver.margins.estimates import Estimate, Mover, ways
@@ -26,10 +26,6 @@ _MISSED = 50.0
 """The cost of missing a constraint, per share of it that is missed."""
 _WAYS = 6
 """How many ways to one more pair of cusps are tried."""
-_NEAR = 4.0
-"""Ways to break a requirement that are this many times farther than the nearest one do not bind."""
-
-
 Stretch = tuple[int, int]
 """The numbers of the first and the last of some neighbouring intervals."""
 
@@ -94,7 +90,7 @@ def proposals(profile: Profile, goal: Goal, trust: float) -> Iterator[Vector]:
     elif windows(profile, goal) or goal.objective == LEAST_CHANGE:
         programmes = _nearer(profile, goal, trust)
     else:
-        programmes = _safer(profile, goal, trust)
+        return  # for a larger margin the evolution strategy alone finds more
     for programme in programmes:
         found = programme.solve()
         if found is not None:
@@ -165,74 +161,58 @@ def _ends_in(profile: Profile, goal: Goal, stretch: Stretch, side: int) -> list[
     return [cut for cut in cuts if cut.jump * sign > 0]
 
 
-def _shut(programme: Programme, goal: Goal, stretch: Stretch, slack: str | None = None) -> None:
+def _shut(programme: Programme, goal: Goal, stretch: Stretch, slack: str) -> None:
     """A stretch gets narrow enough, or vanishes."""
     profile = programme.profile
     for lower, upper in product(_ends_in(profile, goal, stretch, 1), _ends_in(profile, goal, stretch, -1)):
         width = max(upper.length - lower.length, 0.0)
         least = _SHUT * double(goal.ignore_windows) or -_BEYOND * width
-        others = {} if slack is None else {slack: -max(width, 1e-9)}
-        programme.at_most(upper.slopes - lower.slopes, others, least - (upper.length - lower.length))
+        bound = least - (upper.length - lower.length)
+        programme.at_most(upper.slopes - lower.slopes, {slack: -max(width, 1e-9)}, bound)
 
 
 def _longer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
-    """The best run gets longer at both ends; windows next to it may be shut."""
+    """The best run gets longer at both ends, from ``start`` to ``stop``.
+
+    It ends where intervals that are not admitted do, above or below it, or the range.
+    """
     run = best_run(profile, goal)
     if run is None:
         return
-    bad = _stretches(profile, goal, ignored=False)
-    below = [x for x in reversed(bad) if x[1] < run[2]]
-    above = [x for x in bad if x[0] > run[3]]
-    for down, up in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        closed = below[:down] + above[:up]
-        if len(closed) == down + up and not any(x[0] == 0 or x[1] == len(profile.cuts) for x in closed):
-            programme = Programme(profile, trust, {"start": 1.0, "stop": -1.0})
-            for stretch in closed:
-                _shut(programme, goal, stretch)
-            _keep_run(programme, goal, run, below[down:], above[up:])
-            yield programme
-
-
-def _keep_run(
-    programme: Programme, goal: Goal, run: Run, below: Sequence[Stretch], above: Sequence[Stretch]
-) -> None:
-    """A run from ``start`` to ``stop`` ends where stretches above or below it, or the range, do."""
-    cuts, (low, high) = programme.profile.cuts, goal.ends
-    nothing = np.zeros(len(programme.profile.place))
+    programme = Programme(profile, trust, {"start": 1.0, "stop": -1.0})
+    (low, high), nothing = goal.ends, np.zeros(len(profile.place))
     programme.at_most(nothing, {"start": -1.0}, -low)
     programme.at_most(nothing, {"stop": 1.0}, high)
-    for birth in (cut for stretch in above for cut in _ends_in(programme.profile, goal, stretch, 1)):
-        programme.at_most(-birth.slopes, {"stop": 1.0}, birth.length)
-    for death in (cut for stretch in below for cut in _ends_in(programme.profile, goal, stretch, -1)):
-        programme.at_most(death.slopes, {"start": -1.0}, -death.length)
-    for lower, upper in pairwise(cuts[run[2] : run[3]]):  # a death below a birth stays there
+    for stretch in _stretches(profile, goal, ignored=False):
+        if stretch[0] > run[3]:
+            for birth in _ends_in(profile, goal, stretch, 1):
+                programme.at_most(-birth.slopes, {"stop": 1.0}, birth.length)
+        elif stretch[1] < run[2]:
+            for death in _ends_in(profile, goal, stretch, -1):
+                programme.at_most(death.slopes, {"start": -1.0}, -death.length)
+    for lower, upper in pairwise(profile.cuts[run[2] : run[3]]):  # a death below a birth stays there
         if lower.jump * upper.jump < 0:
             programme.at_most(lower.slopes - upper.slopes, {}, upper.length - lower.length)
     _keep_ignored(programme, goal)
+    yield programme
 
 
 def _nearer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
     """The least change that shuts each window of the range, or moves it out of the range."""
     low, high = goal.ends
-    inside: list[Stretch] = []
+    programme = Programme(profile, trust, {"+change": 1.0})
     outside: list[Stretch] = []
-    for first, last in _stretches(profile, goal, ignored=False):
-        is_inside = profile.intervals[first][0] < high and profile.intervals[last][1] > low
-        (inside if is_inside else outside).append((first, last))
-    choices = [_choices(profile, goal, stretch) for stretch in inside]
-    plans = [[options[0] for options in choices]]
-    for k, options in enumerate(choices):
-        plans += [[*plans[0][:k], other, *plans[0][k + 1 :]] for other in options[1:]]
-    for plan in plans:
-        programme = Programme(profile, trust, {"+change": 1.0})
-        for k, (stretch, choice) in enumerate(zip(inside, plan, strict=True)):
+    for k, stretch in enumerate(_stretches(profile, goal, ignored=False)):
+        if profile.intervals[stretch[0]][0] < high and profile.intervals[stretch[1]][1] > low:
             slack = f"+{k}"
             programme.objective = {**programme.objective, slack: _MISSED}
-            _move(programme, goal, stretch, choice, slack)
-        _keep_outside(programme, goal, outside)
-        _keep_ignored(programme, goal)
-        _limit_change(programme)
-        yield programme
+            _move(programme, goal, stretch, slack)
+        else:
+            outside.append(stretch)
+    _keep_outside(programme, goal, outside)
+    _keep_ignored(programme, goal)
+    _limit_change(programme)
+    yield programme
 
 
 def _keep_outside(programme: Programme, goal: Goal, outside: Sequence[Stretch]) -> None:
@@ -247,8 +227,8 @@ def _keep_outside(programme: Programme, goal: Goal, outside: Sequence[Stretch]) 
             programme.at_most(-cut.slopes, {}, cut.length - high)
 
 
-def _choices(profile: Profile, goal: Goal, stretch: Stretch) -> list[str]:
-    """What can be done with a window, the least change first."""
+def _way(profile: Profile, goal: Goal, stretch: Stretch) -> str | None:
+    """What can be done with a window by the least change."""
     low, high = goal.ends
     first, last = stretch
     cuts = profile.cuts
@@ -261,20 +241,21 @@ def _choices(profile: Profile, goal: Goal, stretch: Stretch) -> list[str]:
     if last < len(cuts) and low > 0:
         ways["below"] = cuts[last].length - low, cuts[last].slopes
     far = {name: way / max(float(abs(slopes).sum()), 1e-12) for name, (way, slopes) in ways.items()}
-    return sorted(far, key=far.__getitem__)[:2] or ["none"]
+    return min(far, key=far.__getitem__, default=None)
 
 
-def _move(programme: Programme, goal: Goal, stretch: Stretch, choice: str, slack: str) -> None:
+def _move(programme: Programme, goal: Goal, stretch: Stretch, slack: str) -> None:
+    """A window is shut, or moved out of the range, as far as its slack is 0."""
     low, high = goal.ends
-    if choice == "shut":
+    way = _way(programme.profile, goal, stretch)
+    if way == "shut":
         _shut(programme, goal, stretch, slack)
-        return
-    side = 1.0 if choice == "above" else -1.0
-    end = high if choice == "above" else low
-    for cut in _ends_in(programme.profile, goal, stretch, 1 if choice == "above" else -1):
-        gap = side * (end - cut.length)
-        way = (1 + _BEYOND) * gap if gap > 0 else gap
-        programme.at_most(-side * cut.slopes, {slack: -max(gap, 1e-9)}, -way)
+    elif way is not None:
+        side, end = (1, high) if way == "above" else (-1, low)
+        for cut in _ends_in(programme.profile, goal, stretch, side):
+            gap = side * (end - cut.length)
+            least = (1 + _BEYOND) * gap if gap > 0 else gap
+            programme.at_most(-side * cut.slopes, {slack: -max(gap, 1e-9)}, -least)
 
 
 def _limit_change(programme: Programme) -> None:
@@ -284,33 +265,6 @@ def _limit_change(programme: Programme) -> None:
         low, high = map(double, space.bounds[name])
         way = profile.place[k] - (space.origin[name] - low) / (high - low)
         programme.limit(k, double(space.reach(name)) / (high - low), way)
-
-
-def _safer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
-    """The nearest ways to break the requirement get farther."""
-    known = _ways(profile, goal)
-    if not known:
-        return
-    low, high = goal.ends
-    programme = Programme(profile, trust, {"radius": -1.0})
-    for way in known:
-        if way.radius <= _NEAR * known[0].radius:
-            _farther(programme, way, low, high)
-    yield programme
-
-
-def _farther(programme: Programme, way: Estimate, low: float, high: float) -> None:
-    first = way.movers[0]
-    if len(way.movers) == 1:
-        side = 1.0 if first.length >= high else -1.0
-        pull = side * np.array(first.slopes)
-        gap = side * (first.length - (high if side > 0 else low))
-    else:
-        lower, upper = sorted(way.movers, key=lambda mover: mover.length)
-        pull = np.array(upper.slopes) - np.array(lower.slopes)
-        gap = upper.length - lower.length
-    reach = float(abs(pull).sum())
-    programme.at_most(-pull / reach, {"radius": 1.0}, gap / reach)
 
 
 def _more_cusps(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:

@@ -1,8 +1,9 @@
 """The search: it asks for generations of candidates, and is told their documents.
 
 It begins with an evolution strategy (CMA-ES), which needs values alone, and goes on with *climbs*: from the
-best candidates linear programmes on the derivatives of the transitions. All generations have the same size,
-and all randomness comes from the seed, so that the answers do not depend on who computes them.
+best candidates linear programmes on the derivatives of the transitions; but to a larger margin of what meets
+the requirement the strategy alone comes farther. All generations have the same size, and all randomness
+comes from the seed, so that the answers do not depend on who computes them.
 """
 
 from __future__ import annotations
@@ -19,7 +20,15 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rpr_solver.designs.goals import Profile, Vector, cost, is_met, most_cusps, value
-from rpr_solver.designs.plan import CANCELED, DEADLINE, MOST_CUSPS, NEEDED, Plan, SearchStopped
+from rpr_solver.designs.plan import (
+    CANCELED,
+    DEADLINE,
+    LARGEST_MARGIN,
+    MOST_CUSPS,
+    NEEDED,
+    Plan,
+    SearchStopped,
+)
 from rpr_solver.designs.programmes import proposals, radius
 from rpr_solver.errors import NotInstalledError, SolverError
 from rpr_solver.model.manipulator import Manipulator
@@ -155,7 +164,7 @@ class _Search:
         begun: list[Vector] = []
         while self.censuses < self.plan.budget:
             before = self.censuses
-            yield from self._evolve(_FIRST)
+            yield from self._evolve()
             yield from self._climb(begun)
             if self.censuses == before:
                 return "converged"
@@ -196,8 +205,11 @@ class _Search:
             return inf
         return radius(profile, self.plan.goal)
 
-    def _evolve(self, generations: int) -> Generator[list[Manipulator], Documents, None]:
-        """Generations of an evolution strategy: about the start at first, later anywhere."""
+    def _evolve(self) -> Generator[list[Manipulator], Documents, None]:
+        """Generations of an evolution strategy: about the start at first, later anywhere.
+
+        To a larger margin it goes on alone.
+        """
         cma = cma_alone()
         size = len(self.plan.space.names)
         first = len(self.known) == 1 and self.plan.goal.objective != MOST_CUSPS
@@ -209,14 +221,23 @@ class _Search:
             "seed": np.nan,
             "verbose": -9,
         }
+        if size == 1:  # cma 4.5 fails where it would keep the steps of one variable below its own bound
+            options["maxstd"] = np.inf
         strategy = cma.CMAEvolutionStrategy(np.clip(centre, 0.01, 0.99), _SIGMA, options)
-        for _ in range(generations):
+        for generation in count():
+            if generation >= _FIRST and (strategy.stop() or not self._is_safe):
+                return
             places = strategy.ask()
             found = yield from self._examine([self.plan.space.manipulator(list(place)) for place in places])
             if self.censuses >= self.plan.budget:
                 return
             worst = max((one.cost for one in found if one), default=0.0) + 1.0
             strategy.tell(places, [worst if one is None else one.cost for one in found])
+
+    @property
+    def _is_safe(self) -> bool:
+        """Whether a margin is sought, and there is one."""
+        return self.plan.goal.objective == LARGEST_MARGIN and self.best[-1].met
 
     def _climb(self, begun: list[Vector]) -> Generator[list[Manipulator], Documents, None]:
         """Climbs until all have ended."""

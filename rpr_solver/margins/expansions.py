@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -30,8 +29,6 @@ SYMBOLS = 2
 _ROUNDED = 16 * UNIT
 """Bounds the rounding errors of an operation, as a share of the sum of the absolute values of its terms."""
 _UNDERFLOW = 2.0**-900
-_FEW = 256
-"""Up to this many boxes, all rows are multiplied at once, which takes more memory but fewer calls."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +67,6 @@ class Layout:
         """The places of the tₖ² among the tⱼ tₖ."""
         j, k = self.pairs
         return np.flatnonzero(j == k)
-
-    @cached_property
-    def blocks(self) -> list[slice]:
-        """For each j the rows of tⱼ tₖ, k ≥ j."""
-        ends = np.cumsum([self.bends.start, *range(self.variables, 0, -1)])
-        return [slice(a, b) for a, b in pairwise(ends)]
 
     @cached_property
     def rows(self) -> int:
@@ -163,16 +154,10 @@ class Expansion:
         terms += b[0] * a
         terms[0] *= 0.5  # it holds the product twice
         x, y = a[at.slopes], b[at.slopes]
-        if a.shape[1] <= _FEW:
-            first, second = at.pairs
-            products, others = x.take(first, 0) * y.take(second, 0), y.take(first, 0) * x.take(second, 0)
-            others[at.squares] = 0
-            terms[at.bends] += products + others
-        else:
-            for j, block in enumerate(at.blocks):
-                products = x[j] * y[j:]
-                products[1:] += y[j] * x[j + 1 :]
-                terms[block] += products
+        first, second = at.pairs
+        products, others = x.take(first, 0) * y.take(second, 0), y.take(first, 0) * x.take(second, 0)
+        others[at.squares] = 0
+        terms[at.bends] += products + others
         (_, a1, a_symbols, a2), (_, b1, b_symbols, b2) = self.parts, other.parts
         rest = a_symbols * (b1 + b_symbols) + a1 * b_symbols
         rest += (a1 + a_symbols) * b2 + a2 * (b1 + b_symbols + b2)

@@ -7,8 +7,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import TypedDict
 
-from rpr_solver.contract import LENGTHS as LENGTHS
-from rpr_solver.contract import Progress
+from rpr_solver.contract import LENGTHS, Progress
 from rpr_solver.errors import InputError
 from rpr_solver.exact.numerals import check_doubles
 from rpr_solver.exact.rationals import Exact, parse_all, parse_not_negative, parse_positive

@@ -303,10 +303,14 @@ class BoxRing:
         functions = []
         for value, slope in ((cos, -sin), (sin, cos)):
             function = self._blank()
-            terms, blocks = function.terms, self._layout.blocks
+            terms, bends = function.terms, function.terms[self._layout.bends]
             terms[0], terms[1], terms[2] = value, slope * a, slope * b
-            terms[blocks[0].start], terms[blocks[1].start] = -value * a * a / 2, -value * b * b / 2
-            terms[blocks[0].start + 1] = -value * a * b
+            # the squares of α and θ are where their rows begin, and αθ is after the first
+            bends[0], bends[1], bends[self._layout.variables] = (
+                -value * a * a / 2,
+                -value * a * b,
+                -value * b * b / 2,
+            )
             function.rest[:] = (whole**3 / 6 + 2 * _TRIG_ERROR * (1 + whole) ** 2) * UP
             functions.append(function)
         return functions[0], functions[1]

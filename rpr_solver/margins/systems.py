@@ -69,7 +69,7 @@ def moving_legs(lengths: Sequence[Any], corner: Pair, fixed_leg: int) -> tuple[W
     """The waves of the two moving legs at α = θ = 0.
 
     Args:
-        lengths: those of :data:`~rpr_solver.margins.LENGTHS`, in any ring.
+        lengths: those of :data:`~rpr_solver.contract.LENGTHS`, in any ring.
         corner: the platform's third.
         fixed_leg: 1, 2 or 3.
     """

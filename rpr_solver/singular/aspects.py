@@ -216,7 +216,7 @@ class RangeAspect:
         return {"sign": self.sign, "at_start": self.at_start, "at_stop": self.at_stop}
 
 
-def range_aspects(
+def aspects(
     manipulator: Manipulator, start: Exact | None = None, stop: Exact | None = None, *, fixed_leg: int = 1
 ) -> tuple[RangeAspect, ...]:
     """The aspects of a manipulator while the length of one leg varies within a range; their number is exact.
@@ -235,9 +235,9 @@ def range_aspects(
         SolverError: the singular curves of both slices could not be compared.
 
     >>> from rpr_solver import EXAMPLES
-    >>> range_aspects(EXAMPLES["innocenti"], 27, 30)
+    >>> aspects(EXAMPLES["innocenti"], 27, 30)
     (RangeAspect(sign=1, at_start=2, at_stop=1), RangeAspect(sign=-1, at_start=1, at_stop=1))
-    >>> len(range_aspects(EXAMPLES["innocenti"]))
+    >>> len(aspects(EXAMPLES["innocenti"]))
     2
     """
     slice_map = SliceMap.of(manipulator, check_leg(fixed_leg))

@@ -13,7 +13,7 @@ from fastapi import Request, Response
 from rpr_solver.errors import InputError, clipped
 from service.api.caller import Admission, caller_of, client_of
 from service.api.context import Context
-from service.api.forms import answer_response, choice_of, kept_response, negotiate, state_response
+from service.api.forms import answer_response, choice_of, kept_response, state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import here
 from service.schemas.answers import JSON
@@ -147,7 +147,7 @@ class Preferences:
     respond_async: bool = False
     wait: int | None = None
 
-    def applied(self, waited: int | None, accepted: bool) -> str | None:
+    def applied(self, waited: float | None, accepted: bool) -> str | None:
         """Returns the Preference-Applied header of a response after at most `waited` seconds."""
         parts = [f"wait={waited}"] if waited is not None else []
         if self.respond_async and accepted:
@@ -199,7 +199,6 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     if question.callback_url is not None:
         target_of(question.callback_url, settings.webhooks)
     choice = choice_of(request, question.forms)
-    negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
     link = here(f"/v1/jobs/{job_request.job_id}/result{choice.query}")
     of_post = {} if request.method == "GET" else {"Cache-Control": "no-store"}
     headers = {**of_post, "Content-Location": link}
@@ -207,7 +206,7 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     if kept is not None:
         context.metrics.count_answer(job_request.kind.name, "cached")
         return kept
-    wanted, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
+    seconds = _patience(prefer, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
     who = client_of(caller)
 
@@ -217,7 +216,7 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
             return known, queue.remember(job_request)
         check_price(job_request, settings.limits)
         Admission(caller, queue.quotas, settings.limits).admit(job_request.job_id, job_request.cost.whole)
-        view = queue.submit(job_request, question.deadline_s, is_unknown=True, by=who)
+        view = queue.submit(job_request, question.deadline_seconds, is_unknown=True, by=who)
         call_back(context, view.id, who, question.callback_url)
         outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)
         return queue.with_position(outcome) if isinstance(
@@ -229,7 +228,8 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     if isinstance(outcome, JobView) and seconds is not None:
         outcome = await _wait(context, job_request, outcome, seconds)
     context.metrics.count_answer(job_request.kind.name, "job" if is_job else "cached")
-    applied = prefer.applied(wanted if is_job else None, isinstance(outcome, JobView))
+    wanted = seconds if is_job and prefer.wait is not None else None
+    applied = prefer.applied(wanted, isinstance(outcome, JobView))
     headers = {} if applied is None else {"Preference-Applied": applied}
     if isinstance(outcome, JobView):
         return state_response(outcome, context, headers, is_asked_for=True)
@@ -240,7 +240,7 @@ async def answer_asked(request: Request, context: Context, asked: Asked, prefer:
     return await answer_response(context, request, outcome, choice, headers=headers, job_id=job_id)
 
 
-async def _wait(context: Context, asked: JobRequest, job: JobView, seconds: int) -> Answer | JobView:
+async def _wait(context: Context, asked: JobRequest, job: JobView, seconds: float) -> Answer | JobView:
     """Returns the answer of a job, or its state after this number of seconds.
 
     Raises:
@@ -271,12 +271,14 @@ def _outcome(view: JobView, answer: Answer | None) -> Answer | JobView:
     return view if answer is None else answer
 
 
-def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:
-    """Returns the time to wait for a job, as the client asked and as limited by the service, in seconds."""
-    wanted = None if prefer.wait is None else min(prefer.wait, longest)
-    if wanted is not None or implied is None or prefer.respond_async:
-        return wanted, wanted
-    return None, min(implied, longest)
+_BRIEF = 0.25  # seconds, in which most short questions are answered
+
+
+def _patience(prefer: Preferences, longest: int) -> float | None:
+    """Returns the seconds to wait for a job, as the client asked and as limited by the service."""
+    if prefer.wait is not None:
+        return min(prefer.wait, longest)
+    return None if prefer.respond_async else _BRIEF
 
 
 def allowed_url(context: Context, *sent: object) -> str | None:

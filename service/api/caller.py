@@ -134,7 +134,7 @@ _CALLS: tuple[tuple[KeyScope | None, Iterable[str]], ...] = (
     (None, ("GET /", "GET /docs", "GET /openapi.json", "GET /openapi.yaml")),
     (None, ("GET /schemas/geometry.json", "GET /static/{path}")),
     (None, ("GET /problems", "GET /problems/{slug}", "GET /healthz", "GET /readyz")),
-    ("read", ("GET /version", "GET /v1/limits")),
+    ("read", ("GET /v1/version", "GET /v1/limits")),
     ("read", ("GET /v1/jobs", "GET /v1/jobs/{job_id}", "GET /v1/batches", "GET /v1/batches/{batch_id}")),
     ("read", ("GET /v1/jobs/{job_id}/result", "GET /v1/batches/{batch_id}/results")),
     ("read", ("GET /v1/jobs/{job_id}/events", "GET /v1/batches/{batch_id}/events")),

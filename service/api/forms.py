@@ -78,10 +78,16 @@ def _quality(kind: str, ranges: Sequence[tuple[str, float]]) -> float:
 
 @dataclass(frozen=True)
 class Choice:
-    """The forms that a query leaves, what the client accepts of them, and that query."""
+    """The form of an answer that a request gets.
 
-    forms: Forms
-    accept: Sequence[str]
+    Attributes:
+        media_type: its name.
+        form: how it is written.
+        query: what asks for it at the URL of the result.
+    """
+
+    media_type: str
+    form: Form
     query: str = ""
 
 
@@ -91,16 +97,17 @@ def format_names(forms: Forms) -> tuple[str, ...]:
 
 
 def choice_of(request: Request, forms: Forms) -> Choice:
-    """Returns what `format` and Accept leave of the forms of an answer.
+    """Returns the form of an answer that `format` names, or else the one that Accept prefers.
 
     Raises:
-        ProblemError: 422, a value is not known.
+        ProblemError: 422, a value is not known; 406, no form is acceptable.
     """
     name = one_of(request, "format", format_names(forms))
     if name is None:
-        return Choice(forms, request.headers.getlist("accept"))
+        media = negotiate(request.headers.getlist("accept"), tuple(forms))
+        return Choice(media, forms[media])
     media = FORMATS[name]
-    return Choice({media: forms[media]}, (), f"?format={name}")
+    return Choice(media, forms[media], f"?format={name}")
 
 
 def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
@@ -116,9 +123,13 @@ def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
     raise ProblemError(ProblemType.INVALID_REQUEST, f"{name}: {message}", errors=[(name, message)])
 
 
-def json_answer(document: object, cache: str = "no-store") -> Response:
+def json_answer(
+    document: object, cache: str = "no-store", headers: Mapping[str, str] | None = None
+) -> Response:
     """Returns a response with a JSON document."""
-    return Response(json_bytes(document), headers={"Cache-Control": cache}, media_type=JSON)
+    return Response(
+        json_bytes(document), headers={"Cache-Control": cache, **(headers or {})}, media_type=JSON
+    )
 
 
 def state_response(
@@ -196,11 +207,7 @@ def kept_response(
     context: Context, request: Request, job_id: str, choice: Choice, headers: Mapping[str, str] | None = None
 ) -> Response | None:
     """Returns an answer that was sent a moment ago, as `answer_response` does; None if it is not kept."""
-    try:
-        form = negotiate(choice.accept, tuple(choice.forms))
-    except ProblemError:  # it may become a job, whose state is acceptable
-        return None
-    kept = context.kept.get(job_id, form)
+    kept = context.kept.get(job_id, choice.media_type)
     if kept is None:
         return None
     head = _Head.of(request, kept.form, kept.digest, False, headers)
@@ -216,24 +223,23 @@ async def answer_response(
     headers: Mapping[str, str] | None = None,
     job_id: str | None = None,
 ) -> Response:
-    """Returns an answer in the negotiated form with a strong ETag, or 304 if the client has it already.
+    """Returns an answer in its form with a strong ETag, or 304 if the client has it already.
 
     With `job_id` it is kept for the next client that asks.
 
     Raises:
         LimitError: it is larger than a result may be.
-        ProblemError: 406, no form is acceptable; 410, the result expired just now.
+        ProblemError: 410, the result expired just now.
     """
-    forms = choice.forms
-    form = negotiate(choice.accept, tuple(forms))
+    form = choice.media_type
     if not isinstance(answer, StoredTable):
-        return await _document_response(context, request, answer, form, forms[form], headers, job_id)
+        return await _document_response(context, request, answer, form, choice.form, headers, job_id)
     _check_size(context.settings.limits, answer.size)
     digest = _digest(form, answer.digest)
     head = _Head.of(request, form, digest, answer.has_errors, headers)
     if head.is_known:
         return head.not_modified()
-    pieces = forms[form].pieces(answer)
+    pieces = choice.form.pieces(answer)
     try:
         if answer.size <= LARGE:
             is_quick = answer.size <= _QUICK and answer.is_at_hand
@@ -245,7 +251,7 @@ async def answer_response(
     except ResultLostError:
         raise ProblemError.expired() from None
     content = made_in_threads(chain((first,), pieces), context.redis)
-    return head.large(content, forms[form].size(answer), context.large_answers, _HELD_OF_A_TABLE)
+    return head.large(content, choice.form.size(answer), context.large_answers, _HELD_OF_A_TABLE)
 
 
 async def _document_response(

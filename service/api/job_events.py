@@ -22,7 +22,7 @@ from service.schemas.answers import json_bytes
 from worker.answers.layout import dump
 from worker.connection import password
 from worker.jobs.queue import JobQueue
-from worker.jobs.view import JobView
+from worker.jobs.view import JobView, Status, shown_state
 
 _AT_ONCE = 8  # events, which are at most some 300 kB
 _KEPT = 8 << 20  # bytes of events that are kept for other followers
@@ -176,6 +176,16 @@ class Event(NamedTuple):
     is_last: bool
 
 
+class _Slices(NamedTuple):
+    """Slices of a job by the length of the fixed leg, as JSON."""
+
+    leg: int
+    texts: Mapping[str, bytes]
+
+
+_NO_SLICES = _Slices(1, {})
+
+
 class JobEvents:
     """Reads the event streams of jobs.
 
@@ -292,15 +302,15 @@ class JobEvents:
             (name.decode(), {key.decode(): value.decode() for key, value in fields.items()})
             for name, fields in entries
         ]
-        l1 = [fields["l1"] for _, fields in events if fields["type"] == "slice"]
-        slices = self._slices(job_id, l1) if l1 else {}
+        lengths = [fields["l1"] for _, fields in events if fields["type"] == "slice"]
+        slices = self._slices(job_id, lengths) if lengths else _NO_SLICES
         return [Event(name, self._text(job_id, name, f, slices), is_terminal(f)) for name, f in events]
 
-    def _text(self, job_id: str, name: str, fields: Mapping[str, str], slices: Mapping[str, bytes]) -> bytes:
+    def _text(self, job_id: str, name: str, fields: Mapping[str, str], slices: _Slices) -> bytes:
         if fields["type"] == "slice":
-            l1 = fields["l1"]
-            start = json_bytes({"l1": l1, **_progress(fields)})[:-1]
-            return sse(name, "slice", start + b',"slice":' + slices.get(l1, b"null") + b"}")
+            length = fields["l1"]
+            start = json_bytes({f"l{slices.leg}": length, **_progress(fields)})[:-1]
+            return sse(name, "slice", start + b',"slice":' + slices.texts.get(length, b"null") + b"}")
         if fields["type"] == "progress":
             return sse(name, "progress", json_bytes(_progress(fields)))
         if fields["type"] == "improvement":
@@ -314,19 +324,20 @@ class JobEvents:
         """Returns the job when it came to a state; of one that it has left, without what came later."""
         view = self.queue.get(job_id)
         if view is None:
-            return {"id": job_id, "status": status}
+            return {"id": job_id, "status": shown_state(job_id, cast(Status, status))}
         is_now = view.status == status
         return state_json(view, self.queue.settings) if is_now else earlier_state(view, status)
 
-    def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
+    def _slices(self, job_id: str, lengths: Sequence[str]) -> _Slices:
         queue = self.queue
-        asked = queue.records.asked(job_id, l1)
+        asked = queue.records.asked(job_id, lengths)
         if asked is None:
-            return {}
+            return _NO_SLICES
         request, errors = asked
-        texts = queue.store.get_texts(request, l1, request.digits)
-        others = queue.store.get_slices(request, [x for x in l1 if x not in texts])
-        return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
+        texts = queue.store.get_texts(request, lengths, request.digits)
+        others = queue.store.get_slices(request, [x for x in lengths if x not in texts])
+        known = texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
+        return _Slices(request.fixed_leg, known)
 
     def _key(self, job_id: str) -> str:
         return self.queue.keys.job(job_id).events

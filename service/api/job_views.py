@@ -21,27 +21,30 @@ def state_json(view: JobView, settings: WorkerSettings) -> dict[str, object]:
     return (_batch_json if is_batch(view.id) else _job_json)(view, settings, here(address(view.id)))
 
 
-def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
-    kind = kind_of_job(view.id)
+def _progress_json(view: JobView, settings: WorkerSettings) -> dict[str, object]:
+    """Returns what jobs and batches have in common."""
     return {
         "id": view.id,
-        "kind": None if kind is None else kind.name,
-        "status": view.status,
-        "run": view.run,
+        "status": view.state,
         "done": view.is_terminal,
         "progress": {"done": view.done, "total": view.total},
         "created_at": view.created_at,
         "started_at": view.started_at,
-        "finished_at": view.finished_at,
+        "ended_at": view.ended_at,
         "expires_at": _expires_at(view, settings),
-        "timings": {
-            "queued_seconds": _seconds(view.created_at, view.started_at or view.finished_at),
-            "running_seconds": _seconds(view.started_at, view.finished_at),
-        },
         "error": view.error,
         "position": None if view.place is None else view.place.position,
+        "estimate_seconds": view.estimate_seconds,
+    }
+
+
+def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
+    kind = kind_of_job(view.id)
+    return {
+        **_progress_json(view, settings),
+        "kind": None if kind is None else kind.name,
+        "run": view.run,
         "deadline_at": view.deadline_at,
-        "estimate_s": view.estimate_s,
         "links": {"self": own, "result": f"{own}/result", "events": f"{own}/events"},
     }
 
@@ -49,30 +52,20 @@ def _job_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, ob
 def _batch_json(view: JobView, settings: WorkerSettings, own: str) -> dict[str, object]:
     left = view.total - view.done
     return {
-        "id": view.id,
-        "status": view.status,
-        "total": view.total,
-        "done": view.done,
+        **_progress_json(view, settings),
         "succeeded": view.done - view.failed,
         "failed": view.failed + (left if view.status == "failed" else 0),
         "canceled": left if view.status == "canceled" else 0,
-        "created_at": view.created_at,
-        "started_at": view.started_at,
-        "finished_at": view.finished_at,
-        "expires_at": _expires_at(view, settings),
-        "error": view.error,
-        "position": None if view.place is None else view.place.position,
-        "estimate_s": view.estimate_s,
         "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events"},
     }
 
 
 def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
     """Returns until when a job that has ended is kept."""
-    if view.finished_at is None:
+    if view.ended_at is None:
         return None
     ttl = settings.result_ttl_seconds if view.status == "succeeded" else FAILURE_TTL
-    end = datetime.fromisoformat(view.finished_at) + timedelta(seconds=ttl)
+    end = datetime.fromisoformat(view.ended_at) + timedelta(seconds=ttl)
     return end.isoformat(timespec="seconds").replace("+00:00", "Z")
 
 
@@ -84,15 +77,9 @@ def earlier_state(view: JobView, status: str) -> dict[str, object]:
         "status": status,
         "created_at": view.created_at,
         "started_at": None if status == "queued" else view.started_at,
-        "finished_at": None,
+        "ended_at": None,
         "error": None,
     }
-
-
-def _seconds(start: str | None, end: str | None) -> float | None:
-    if start is None or end is None:
-        return None
-    return round((datetime.fromisoformat(end) - datetime.fromisoformat(start)).total_seconds(), 3)
 
 
 _POLL_SECONDS = 1

@@ -37,7 +37,7 @@ MAX_LOCAL_SLICES = 1_000_000
 _OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 _ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
-_OPTIONS["deadline_s"] = "--deadline"
+_OPTIONS["deadline_seconds"] = "--deadline"
 _WHOLE = re.compile(r"\d{1,4}", re.ASCII)
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 

@@ -42,7 +42,7 @@ def deadline_of(args: argparse.Namespace) -> dict[str, object]:
     """
     if args.deadline is not None and args.url is None:
         raise InputError.of("--deadline", "is for jobs of a service; give --url too, or leave it out")
-    return {"deadline_s": args.deadline}
+    return {"deadline_seconds": args.deadline}
 
 
 def seconds_of(args: argparse.Namespace) -> float | None:
@@ -51,7 +51,7 @@ def seconds_of(args: argparse.Namespace) -> float | None:
     Raises:
         InputError: it is invalid, or there is no service that could keep it.
     """
-    given = deadline_of(args)["deadline_s"]
+    given = deadline_of(args)["deadline_seconds"]
     return None if given is None else arguments.read_option(DeadlineSeconds, given, "--deadline")
 
 
@@ -99,7 +99,7 @@ def answer_of(url: str | None, question: Question, steps: str | None = None) -> 
         return answer(question.job_request(), Store(), progress)
 
 
-_APART = ("geometry", "deadline_s", "callback_url")
+_APART = ("geometry", "deadline_seconds", "callback_url")
 _METAVARS = {
     **{"fixed_leg": "LEG", "from": "POSE", "to": "POSE", "cusp": "CUSP", "clearance": "DEGREES"},
     "budget.censuses": "N",
@@ -293,7 +293,7 @@ class Options(Generic[Q]):
             members["limits"], names = limits or None, names | places
         if "between" in members:
             members["between"] = arguments.between_of(args)
-        deadline = {"deadline_s": args.deadline} if self.deadline else deadline_of(args)
+        deadline = {"deadline_seconds": args.deadline} if self.deadline else deadline_of(args)
         return arguments.ask(
             self.question, args, _nested({**members, **others}) | deadline, arguments.source(names)
         )

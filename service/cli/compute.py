@@ -278,9 +278,9 @@ def _curves(question: type[CuspCurvesRequest]) -> Command:
         samples: number of points of each curve in every window between transitions
 
     examples:
-      rpr-cusps curves innocenti --digits 15
-      rpr-cusps curves innocenti --l1-range 27:29:0.1 --format csv
-      rpr-cusps curves robot.json --l2-range 10:40 --samples 20 --format json
+      rpr-cusps cusp-curves innocenti --digits 15
+      rpr-cusps cusp-curves innocenti --l1-range 27:29:0.1 --format csv
+      rpr-cusps cusp-curves robot.json --l2-range 10:40 --samples 20 --format json
     """
     options = asking.Options(question, parsers.said_of(_curves))
 
@@ -385,8 +385,8 @@ def _singular(document: Mapping[str, Any]) -> Page:
         tolerance: largest deviation of the drawn curves, relative to the size of the picture (default: 0.001)
 
     examples:
-      rpr-cusps singular innocenti --l1 14.98
-      rpr-cusps singular innocenti --l1 27 --tolerance 0.0001 --format csv
+      rpr-cusps singular-curves innocenti --l1 14.98
+      rpr-cusps singular-curves innocenti --l1 27 --tolerance 0.0001 --format csv
     """
     leg = f"l{document['fixed_leg']}"
     components = document["components"]
@@ -448,13 +448,13 @@ def _aspects(document: Mapping[str, Any]) -> Page:
 COMMANDS = {
     "solve": _solve,
     "census": partial(command, page=_census, steps="steps"),
-    "curves": _curves,
+    "cusp-curves": _curves,
     "poses": partial(
         command,
         page=_poses,
         readers=dict.fromkeys(LEGS, _length),
         others={leg: f"--{leg}-range" for leg in LEGS},
     ),
-    "singular": partial(command, page=_singular),
+    "singular-curves": partial(command, page=_singular),
     "aspects": partial(command, page=_aspects),
 }

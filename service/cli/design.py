@@ -115,7 +115,7 @@ class _Stoppable(Observer):
 
 
 def _computed(question: Question) -> dict[str, Any]:
-    end = inf if question.deadline_s is None else time.monotonic() + question.deadline_s
+    end = inf if question.deadline_seconds is None else time.monotonic() + question.deadline_seconds
     with progress_bar(1, "censuses") as progress:
         stoppable = _Stoppable(progress, end)
         before = signal.signal(signal.SIGINT, stoppable.cancel)

@@ -140,12 +140,12 @@ def _run_submit(args: argparse.Namespace) -> int:
         back = f"`rpr-cusps fetch {batch.id} --url {args.url}`"
         if args.no_wait:
             output.write(batch.id + "\n")
-            output.say(f"rpr-cusps submit: {batch.total} items; {back} prints their answers")
+            output.say(f"rpr-cusps submit: {batch.progress.total} items; {back} prints their answers")
             return 0
         if sys.stderr is not None and sys.stderr.isatty():
-            output.say(f"batch {batch.id}: {batch.total} items")
+            output.say(f"batch {batch.id}: {batch.progress.total} items")
         try:
-            with progress_bar(batch.total, "items", is_streamed=True) as progress:
+            with progress_bar(batch.progress.total, "items", is_streamed=True) as progress:
                 results = client.watch(batch, progress)
                 return print_results("submit", results, form)
         except ServiceError as error:
@@ -154,8 +154,8 @@ def _run_submit(args: argparse.Namespace) -> int:
 
 
 def _run_status(args: argparse.Namespace) -> int:
-    """Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and
-    its progress.
+    """Print the state of a job or a batch of a service: queued, running, succeeded (a batch:
+    completed), failed or canceled, and its progress.
 
     examples:
       rpr-cusps status ct-0f3a… --url http://127.0.0.1:8000
@@ -196,7 +196,7 @@ def _run_cancel(args: argparse.Namespace) -> int:
     return 0
 
 
-_COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "key")
+_COLUMNS = ("id", "kind", "status", "created_at", "started_at", "ended_at", "estimate_seconds", "key")
 _TITLES = [name.partition("_")[0].upper() for name in _COLUMNS]
 
 
@@ -223,7 +223,7 @@ def _run_jobs(args: argparse.Namespace) -> int:
       rpr-cusps jobs --all --limit 20                ended ones, too
       rpr-cusps jobs --url https://cusps.example.com --format json
 
-    ESTIMATE is the estimated work in seconds of one core, RUNS its running time. A job that runs for many
+    ESTIMATE is the estimated work in seconds of one core. A job that runs for many
     times its estimate may need attention: rpr-cusps cancel JOB --force ends it for all subscribers.
     """
     status: ListedStatus | None = None if args.all else "active"

@@ -38,15 +38,15 @@ def _paths(document: Mapping[str, Any]) -> Page:
         sampling.chord: as many samples as are needed for legs that move linearly between to deviate less
 
     examples:
-      rpr-cusps paths innocenti --l1 27 --cusp B
-      rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
-      rpr-cusps paths innocenti --l1 27 --cusp B --speed 10 --acceleration 20 --jerk 200 --chord 0.01
-      rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
-      rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
-      rpr-cusps paths innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
-      rpr-cusps paths innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
-      rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 1 --to 3 --clearance best
-      rpr-cusps paths innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
+      rpr-cusps path innocenti --l1 27 --cusp B
+      rpr-cusps path innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
+      rpr-cusps path innocenti --l1 27 --cusp B --speed 10 --acceleration 20 --jerk 200 --chord 0.01
+      rpr-cusps path innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
+      rpr-cusps path innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
+      rpr-cusps path innocenti --from l1=27,l2=20,l3=20,pose=1 --to l1=30,l2=21,l3=19,pose=1
+      rpr-cusps path innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
+      rpr-cusps path innocenti --l1 27 --l2 25.7 --l3 9.2 --from 1 --to 3 --clearance best
+      rpr-cusps path innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
     """
     ends = f"from {_end(document['from'])} to {_end(document['to'])}"
     common = f" of {all_legs(document)}" if LEGS[0] in document else ""
@@ -166,10 +166,10 @@ def _modes(document: Mapping[str, Any]) -> Page:
         limits: another leg
 
     examples:
-      rpr-cusps modes innocenti --l1 27
-      rpr-cusps modes innocenti --l1-range 0.05:0.1
-      rpr-cusps modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
-      rpr-cusps modes robot.json --l1-range 45: --l2-limits :20
+      rpr-cusps assembly-modes innocenti --l1 27
+      rpr-cusps assembly-modes innocenti --l1-range 0.05:0.1
+      rpr-cusps assembly-modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
+      rpr-cusps assembly-modes robot.json --l1-range 45: --l2-limits :20
     """
     leg, asked = document["fixed_leg"], document["asked"]
     span = asked.get("range")
@@ -225,11 +225,11 @@ def _connections(document: Mapping[str, Any]) -> Page:
             singular, in the slice or in the range, and keep the limits
 
     examples:
-      rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2
-      rpr-cusps connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
-      rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
-      rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
-      rpr-cusps connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
+      rpr-cusps pose-connections innocenti --l1 27 --l2 25.7 --l3 9.2
+      rpr-cusps pose-connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
+      rpr-cusps pose-connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
+      rpr-cusps pose-connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19
+      rpr-cusps pose-connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits 5:21 --format svg > matrix.svg
     """
     poses = document["poses"]
     of_two = LEGS[0] not in document
@@ -287,11 +287,11 @@ def _notes_of_connections(document: Mapping[str, Any]) -> Iterator[str]:
 
 
 COMMANDS = {
-    "paths": partial(command, page=_paths, names={"sampling.number": ""}),  # which is --samples
-    "modes": partial(
+    "path": partial(command, page=_paths, names={"sampling.number": ""}),  # which is --samples
+    "assembly-modes": partial(
         command,
         page=_modes,
         status=lambda document: UNDECIDED if document["change"] == "undecided" else DECIDED,
     ),
-    "connections": partial(command, page=_connections),
+    "pose-connections": partial(command, page=_connections),
 }

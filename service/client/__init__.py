@@ -8,7 +8,7 @@
     print(answer.typed.transitions[0].kind, len(answer.content))
 
 The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `leg_poses`, `cusp_loop`, `joint_path`,
-`pose_path`, `pose_connections`, `singular_curves`, `range_aspects`, `assembly_modes`, `margin`, `design` and
+`pose_path`, `pose_connections`, `singular_curves`, `aspects`, `assembly_modes`, `margin`, `design` and
 `verify_document` take what those of `rpr_solver` take; `plot` asks for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
@@ -20,6 +20,7 @@ from service.client.bodies import Answer, Asked
 from service.client.clients import AsyncServiceClient, ServiceClient
 from service.client.connection import ClientSettings
 from service.client.questions import (
+    aspects,
     assembly_modes,
     census,
     check,
@@ -34,7 +35,6 @@ from service.client.questions import (
     pose_connections,
     pose_path,
     poses,
-    range_aspects,
     singular_curves,
     verify_document,
 )
@@ -50,6 +50,7 @@ __all__ = [
     "ItemResult",
     "Job",
     "ServiceClient",
+    "aspects",
     "assembly_modes",
     "census",
     "check",
@@ -64,7 +65,6 @@ __all__ = [
     "pose_connections",
     "pose_path",
     "poses",
-    "range_aspects",
     "singular_curves",
     "verify_document",
 ]

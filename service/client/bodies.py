@@ -208,7 +208,7 @@ def _line(index: int, item: Item) -> bytes:
 
 def _item_of(asked: Asked[Any], index: int) -> Mapping[str, Any]:
     question = asked.question
-    for name, given in (("deadline", question.deadline_s), ("callback_url", question.callback_url)):
+    for name, given in (("deadline", question.deadline_seconds), ("callback_url", question.callback_url)):
         if given is not None:
             raise InputError.of(f"items[{index}]", f"has a {name}, which is not allowed in items; omit it")
     named = {} if asked.name is None else {"id": asked.name}

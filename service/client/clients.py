@@ -52,7 +52,7 @@ class AsyncJobClient:
 
     async def version(self) -> dict[str, Any]:
         """Returns the versions of the service and of its solver."""
-        return await self._object("GET", "/version")
+        return await self._object("GET", "/v1/version")
 
     async def batch(self, batch_id: str) -> Batch:
         """Returns the state of a batch, with the numbers of its items by state."""

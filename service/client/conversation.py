@@ -138,8 +138,9 @@ class Conversation:
             return JobInterrupted(_continues(job["id"], url))
         if not is_batch(job["id"]):
             return JobInterrupted(f"job {job['id']} is canceled")
-        done = f"{job['done']} of its {job['total']} items are done; {_fetch(job['id'], url)} prints them"
-        return JobInterrupted(f"batch {job['id']} is canceled; {done}")
+        done, total = _progress(job)
+        rest = f"{done} of its {total} items are done; {_fetch(job['id'], url)} prints them"
+        return JobInterrupted(f"batch {job['id']} is canceled; {rest}")
 
     async def object(self, call: Call) -> dict[str, Any]:
         """Send a request; returns the JSON object in the response."""
@@ -223,8 +224,7 @@ def _fetch(job_id: str, url: str) -> str:
 
 
 def _progress(job: Mapping[str, Any]) -> tuple[int, int]:
-    counts = job.get("progress", job)  # those of a batch stand beside its state
-    return counts["done"], counts["total"]
+    return job["progress"]["done"], job["progress"]["total"]
 
 
 def _refusal(response: httpx.Response) -> ServiceError:

@@ -15,9 +15,9 @@ from service.schemas.modes import PoseConnections
 from service.schemas.motions import Path
 from service.schemas.plots import Plot
 from service.schemas.plots import Verification
+from service.schemas.poses import Aspects
 from service.schemas.poses import LegPoses
 from service.schemas.poses import PoseTable
-from service.schemas.poses import RangeAspects
 from service.schemas.poses import SingularCurves
 from service.schemas.tables import CuspTable
 
@@ -101,7 +101,7 @@ def singular_curves(
 ) -> Asked[SingularCurves]:
     """The singular curves of a slice, the number of poses in each region, and the aspects."""
 
-def range_aspects(
+def aspects(
     manipulator: Manipulator,
     start: Exact | None = None,
     stop: Exact | None = None,
@@ -109,7 +109,7 @@ def range_aspects(
     fixed_leg: int | None = None,
     digits: int | None = None,
     deadline: float | None = None,
-) -> Asked[RangeAspects]:
+) -> Asked[Aspects]:
     """The aspects while the length of one leg varies within a range; an end that is missing is open."""
 
 def margin(

@@ -122,7 +122,7 @@ class ResultReader:
         Raises:
             ServiceError: the service refused or failed, cannot be reached any more, or does not have all.
         """
-        total = (await self._state())["total"]
+        total = (await self._state())["progress"]["total"]
         self._seen, self._count = bytearray(total), self._after + 1
         self._on_progress(self._count, total)
         while self._count < total:
@@ -166,7 +166,7 @@ class ResultReader:
 
     async def _check_that_more_comes(self) -> None:
         """Look at the batch after a response that ended before all results were there."""
-        if (await self._state())["finished_at"] is None:
+        if (await self._state())["ended_at"] is None:
             return
         self._looks -= 1
         if not self._looks:
@@ -193,7 +193,7 @@ async def slices_of(
     ready = InOrder(question.content()["l1"])
     response = await conversation.post(asked, "respond-async")
     if conversation.job is not None:
-        async with aclosing(_events(conversation)) as events:
+        async with aclosing(_events(conversation, f"l{question.fixed_leg}")) as events:
             async for length, part in events:
                 for ready_part in ready.take(length, part):
                     yield ready_part
@@ -203,7 +203,9 @@ async def slices_of(
             yield ready_part
 
 
-async def _events(conversation: Conversation) -> AsyncGenerator[tuple[str, Mapping[str, Any]], None]:
+async def _events(
+    conversation: Conversation, leg: str
+) -> AsyncGenerator[tuple[str, Mapping[str, Any]], None]:
     """Yields the slices of a job as they are computed; its result also has those that were known before.
 
     It ends early if the connection breaks: the result has all slices.
@@ -221,7 +223,7 @@ async def _events(conversation: Conversation) -> AsyncGenerator[tuple[str, Mappi
                 data = json.loads(fields["data"]) if fields.get("event") == "slice" else {}
                 fields = {}
                 if data.get("slice") is not None:  # one that has expired meanwhile is not sent
-                    yield data["l1"], data["slice"]
+                    yield data[leg], data["slice"]
     except httpx.HTTPError:
         return
 

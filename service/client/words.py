@@ -27,10 +27,10 @@ from service.schemas.motions import AskedMotion, AskedSampling, Path
 from service.schemas.paths import AngledPose, AskedJoints, Between, NumberedPose, PathRequest
 from service.schemas.plots import PlotRequest, VerificationRequest
 from service.schemas.poses import (
+    AspectsRequest,
     LegPoses,
     PosesRequest,
     PoseTable,
-    RangeAspectsRequest,
     SingularCurvesRequest,
 )
 from service.schemas.questions import Question
@@ -134,7 +134,7 @@ class Function:
 
 _LIMITS = ("max_slices", "max_article_slices", "max_samples")
 _NO_LIMIT = 1_000_000
-_UNASKED = ("geometry", "deadline_s", "callback_url")
+_UNASKED = ("geometry", "deadline_seconds", "callback_url")
 
 _MANY = "Exact | Iterable[Exact]"
 _ENDS_OF_PATHS = {"from": "start", "to": "stop"}
@@ -220,9 +220,9 @@ FUNCTIONS: Mapping[str, Function] = {
         "The singular curves of a slice, the number of poses in each region, and the aspects.",
         *(SingularCurvesRequest, "length"),
     ),
-    "range_aspects": Function(
+    "aspects": Function(
         "The aspects while the length of one leg varies within a range; an end that is missing is open.",
-        *(RangeAspectsRequest, "start? stop?"),
+        *(AspectsRequest, "start? stop?"),
     ),
     "margin": Function(
         "How far the lengths may change before a slice, a requirement or a window loses its number of cusps.",
@@ -298,7 +298,7 @@ def made(name: str) -> Callable[..., Asked[Any]]:
         if question.names_geometry:
             given = {"geometry": manipulator, **{name: _plain(value) for name, value in given.items()}}
         if seconds is not None:
-            given["deadline_s"] = str(seconds)
+            given["deadline_seconds"] = str(seconds)
         # the service has the limits that count
         limits = Limits.of_environment(**dict.fromkeys(_LIMITS, _NO_LIMIT))
         return Asked(read(question, given, Source(limits, is_text=True)), model)

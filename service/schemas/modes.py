@@ -132,8 +132,7 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     example round a cusp. If not, it is proved that every aspect maps one to one; that there is no cusp does
     not prove it. The regions of the joint plane say which of their poses are joined.
 
-    The response waits for a worker, which takes a fraction of a second for a slice and some seconds for a
-    range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+    A worker takes a fraction of a second for a slice, and some seconds for a range.
     """
 
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
@@ -144,7 +143,6 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     tag = "assembly modes"
     summary = "Whether the assembly mode can change without a singularity"
     answer = AssemblyModes
-    implied_wait = 10
     needs_slices = False
 
     fixed_leg: FixedLeg = fixed_leg_field()
@@ -285,8 +283,7 @@ class PoseConnectionsRequest(Question):
     joint limits. `groups` has the poses that are joined with each other. With `Accept: image/svg+xml` the
     matrix is drawn.
 
-    The response waits for a worker, which takes a fraction of a second without limits and some seconds with
-    limits in a range, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+    A worker takes a fraction of a second without limits, and some seconds with limits in a range.
 
     Attributes:
         l1: Length of leg 1; > 0.
@@ -308,7 +305,6 @@ class PoseConnectionsRequest(Question):
     summary = "Which poses of a joint vector, or of two, are joined by paths without a singularity"
     answer = PoseConnections
     forms: ClassVar[Forms] = {JSON: JSON_FORM, SVG: PICTURE_FORM}
-    implied_wait = 10
 
     fixed_leg: FixedLeg = fixed_leg_field()
     l1: Length

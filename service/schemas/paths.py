@@ -210,8 +210,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     (`sampling`), with the legs, the pose, the determinant and the clearance. With `motion` the times keep
     limits of the speed, acceleration and jerk of each leg, which is proved for all of the way.
 
-    A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds unless
-    `Prefer` says otherwise; after that it is 202 with a job.
+    A worker finds a path in a fraction of a second.
 
     Attributes:
         l1: The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.
@@ -246,7 +245,6 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     summary = "A motion from one pose to another, without a singularity"
     answer = Path
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample"), NDJSON: SAMPLES_FORM}
-    implied_wait = 10
     needs_slices = True
     hint_of_slices = "give a number"
 

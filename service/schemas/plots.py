@@ -143,11 +143,10 @@ class PlotRequest(OneSlice, Setting):
     takes all three lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
 
     Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
-    description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
+    description, or only the SVG with `Accept: image/svg+xml`; GET gives it by a URL.
 
     Equal questions give the same bytes, as long as the service has the same version. A census or the cusp
-    curves take a few seconds, margins half a minute, everything else less than one second; the response waits
-    for it, up to 10 seconds unless `Prefer` says otherwise.
+    curves take a few seconds, margins half a minute, everything else less than one second.
 
     Attributes:
         plot: The type of picture: a slice in the plane of the free legs (`slice`) or on the torus of poses
@@ -175,7 +174,6 @@ class PlotRequest(OneSlice, Setting):
         JSON: JSON_FORM,
         SVG: Form(lambda document: document["svg"].encode(), "The picture."),
     }
-    implied_wait = 10
 
     plot: Literal[
         "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"
@@ -250,7 +248,7 @@ class PlotRequest(OneSlice, Setting):
 class PictureRequest(PlotRequest):
     """A picture by its URL."""
 
-    path = "/v1/plot.svg"
+    path = "/v1/plots"
     name = PlotRequest.name
     forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}
     columns = (
@@ -355,8 +353,7 @@ class VerificationRequest(Question):
     from the legs by SymPy; nothing of the solver is used.
 
     Every claim of the document is listed with its place and its status: `proved`, `open` or `refused`. For a
-    refused document the response is 200 with `verdict` `refused`. The response waits for it, up to 10 seconds
-    unless `Prefer` says otherwise; after that it is 202 with a job.
+    refused document the response is 200 with `verdict` `refused`.
 
     Attributes:
         document: The document, its numbers as text.
@@ -368,7 +365,6 @@ class VerificationRequest(Question):
     tag = "verifications"
     summary = "Whether a document is correct, claim by claim"
     answer = Verification
-    implied_wait = 10
     examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
     names_geometry = False
 

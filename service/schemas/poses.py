@@ -220,7 +220,7 @@ class LegPoses(Model):
     intervals: list[LegInterval]
 
 
-class PosesAnswer(RootModel[PoseTable | LegPoses]):
+class Poses(RootModel[PoseTable | LegPoses]):
     """The poses of one joint vector; or, with a range for one leg, those along this leg."""
 
 
@@ -374,7 +374,7 @@ class RangeAspect(Detail):
     at_stop: int
 
 
-class RangeAspects(DocumentHead):
+class Aspects(DocumentHead):
     """The aspects of a range of lengths.
 
     Attributes:
@@ -396,8 +396,7 @@ class PosesRequest(Question):
     With a range for one leg, the poses along this leg: all lengths in the range at which poses merge, and
     between them the number of poses, with the sign of J and the aspect of each.
 
-    A worker computes the poses in milliseconds, so the response waits for them, up to 10 seconds unless
-    `Prefer` says otherwise; after that it is 202 with a job.
+    A worker computes the poses in milliseconds.
     """
 
     expected = "send an object with geometry, l1, l2 and l3"
@@ -405,9 +404,8 @@ class PosesRequest(Question):
     path = "/v1/poses"
     tag = "poses"
     summary = "All poses of a manipulator with given leg lengths"
-    answer = PosesAnswer
+    answer = Poses
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("poses_csv", "pose or interval")}
-    implied_wait = 10
 
     l1: LengthOrRange = Field(description="Length of leg 1; > 0. Or its range, if it is the one that moves.")
     l2: LengthOrRange = Field(description="Length of leg 2, likewise.")
@@ -442,8 +440,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     `regions` are the parts into which the curves divide the plane of the free legs. The number of poses of
     each is proved at one of its points. `aspects` are the connected sets of poses in which J has one sign.
 
-    A worker draws a slice in a fraction of a second, so the response waits for it, up to 10 seconds unless
-    `Prefer` says otherwise; after that it is 202 with a job.
+    A worker draws a slice in a fraction of a second.
 
     Attributes:
         l1: The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`.
@@ -462,7 +459,6 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     summary = "The singular curves of a slice, the number of poses in each region, and the aspects"
     answer = SingularCurves
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("singular_csv", "sample")}
-    implied_wait = 10
     needs_slices = True
     hint_of_slices = "give a number"
 
@@ -488,7 +484,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
         return {**self._of_slice(), "tolerance": exact_str(self.tolerance), "digits": self.digits}
 
 
-class RangeAspectsRequest(Question):
+class AspectsRequest(Question):
     """A manipulator, and the range within which the length of one leg may vary.
 
     Aspects of different slices join if the fixed leg may vary, too. The answer has those of a range of
@@ -496,8 +492,7 @@ class RangeAspectsRequest(Question):
     An open end is the limit of slices as the length approaches 0 or infinity.
 
     Their number is exact, so no path without a singularity within the range joins two poses of different
-    aspects. The response waits for a worker, which takes a fraction of a second, up to 10 seconds unless
-    `Prefer` says otherwise; after that it is 202 with a job.
+    aspects. A worker takes a fraction of a second.
     """
 
     kinds = (ASPECTS,)
@@ -505,8 +500,7 @@ class RangeAspectsRequest(Question):
     name = "post_aspects"
     tag = "aspects"
     summary = "The aspects of a manipulator while the length of one leg varies within a range"
-    answer = RangeAspects
-    implied_wait = 10
+    answer = Aspects
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
     range: Range = range_field()

@@ -78,9 +78,9 @@ class Question(Document):
         answer: the model of the document.
         example: an answer, for the documentation.
         forms: media type → form of the document.
-        implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
         columns: what a query may have beside the geometry; if nothing, there is no form with GET.
-        deadline_s: Seconds after which a job that is not done fails; of several clients' the latest counts.
+        deadline_seconds: Seconds after which a job that is not done fails; of several clients'
+            the latest counts.
         callback_url: The URL to which an event is posted when the job ends; the service must allow its host.
     """
 
@@ -96,11 +96,10 @@ class Question(Document):
     answer: ClassVar[type[BaseModel]]
     example: ClassVar[object] = None
     forms: ClassVar[Forms] = {JSON: JSON_FORM}
-    implied_wait: ClassVar[int | None] = None
     columns: ClassVar[Sequence[str]] = ()
 
     geometry: GeometryField
-    deadline_s: DeadlineSeconds | None = Field(default=None, exclude=True)
+    deadline_seconds: DeadlineSeconds | None = Field(default=None, exclude=True)
     callback_url: CallbackUrl | None = Field(default=None, exclude=True)
 
     @property
@@ -145,7 +144,7 @@ class Question(Document):
 
     def body(self) -> dict[str, Any]:
         """Returns the question as the body of a request: what was given, its numbers as text."""
-        given = {"digits": getattr(self, "digits", None), "deadline_s": self.deadline_s}
+        given = {"digits": getattr(self, "digits", None), "deadline_seconds": self.deadline_seconds}
         # a union's parts are read by one function, of which the serializer does not know
         body = self.model_dump(mode="json", exclude_unset=True, warnings=False)
         if "geometry" in body:

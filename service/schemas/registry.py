@@ -49,23 +49,23 @@ QUESTIONS: tuple[Entry, ...] = (
     Entry(
         ".censuses:CensusRequest", "census", "find every length at which the number of cusps changes", COMPUTE
     ),
-    Entry(".curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end", COMPUTE),
+    Entry(".curves:CuspCurvesRequest", "cusp-curves", "follow each cusp from its birth to its end", COMPUTE),
     Entry(".censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps", DESIGN),
     Entry(".poses:PosesRequest", "poses", "compute all poses for given leg lengths", COMPUTE),
-    Entry(".paths:PathRequest", "paths", "find a path to another pose without a singularity", PATHS),
+    Entry(".paths:PathRequest", "path", "find a path to another pose without a singularity", PATHS),
     Entry(
         ".poses:SingularCurvesRequest",
-        "singular",
+        "singular-curves",
         "list the singular curves of a slice, its regions and aspects (plot draws them)",
         COMPUTE,
     ),
+    Entry(".poses:AspectsRequest", "aspects", "find the aspects while a leg varies within a range", COMPUTE),
     Entry(
-        ".poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range", COMPUTE
+        ".modes:AssemblyModesRequest", "assembly-modes", "decide whether the assembly mode can change", PATHS
     ),
-    Entry(".modes:AssemblyModesRequest", "modes", "decide whether the assembly mode can change", PATHS),
     Entry(
         ".modes:PoseConnectionsRequest",
-        "connections",
+        "pose-connections",
         "find which poses are joined by paths, all pairs",
         PATHS,
     ),

@@ -27,10 +27,12 @@ ESTIMATE: Any = Field(
 
 
 class Progress(Model):
-    """The progress of a job."""
+    """The progress of a job or a batch."""
 
-    done: int = Field(description="Completed slices or steps.")
-    total: int = Field(description="All slices of the job, or the steps known so far; may grow.")
+    done: int = Field(description="Completed slices, steps or items.")
+    total: int = Field(
+        description="All slices of the job, the steps known so far (may grow), or the items of the batch."
+    )
 
 
 class JobError(Model):
@@ -48,21 +50,14 @@ class JobLinks(Model):
     events: str
 
 
-class Timings(Detail):
-    """The times of a job, in seconds."""
-
-    queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
-    running_seconds: float | None = Field(description="From its start to its end; null before its end.")
-
-
 class StreamEvent(Model):
     """A server-sent event: its fields.
 
     Attributes:
         id: Resumes the stream, as Last-Event-ID.
-        data: JSON. `status`: the job or batch at that time. `slice`: `l1`,
-            `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and `progress`.
-            `improvement`: what a search has found, as in the `trace` of its answer.
+        data: JSON. `status`: the job or batch at that time. `slice`: `slice`, `progress`, and the length of
+            the fixed leg by its name (`l1`). `progress`: `progress`. `item`: `index`, `status` and
+            `progress`. `improvement`: what a search has found, as in the `trace` of its answer.
     """
 
     id: str
@@ -110,12 +105,12 @@ class Job(Model):
         done: Whether this run has ended: succeeded, failed or canceled.
         created_at: ISO 8601, UTC.
         started_at: ISO 8601, UTC; null until the job starts.
-        finished_at: ISO 8601, UTC; null until the job ends.
+        ended_at: ISO 8601, UTC; null until the job ends.
         expires_at: ISO 8601, UTC: until when it can be fetched; null until it ends.
         error: null unless the job failed.
         position: Jobs before it in its lane of the queue; null unless it is queued.
-        deadline_at: The time at which it fails if it is not done, from the latest `deadline_s`; null without
-            one.
+        deadline_at: The time at which it fails if it is not done, from the latest `deadline_seconds`; null
+            without one.
     """
 
     id: str
@@ -126,18 +121,17 @@ class Job(Model):
     progress: Progress
     created_at: str = Field(json_schema_extra={"format": "date-time"})
     started_at: str | None
-    finished_at: str | None
+    ended_at: str | None
     expires_at: str | None
-    timings: Timings
     error: JobError | None
     position: int | None
     deadline_at: str | None
-    estimate_s: float | None = ESTIMATE
+    estimate_seconds: float | None = ESTIMATE
     links: JobLinks
     deliveries: list[Delivery] | None = DELIVERIES
 
 
-ListedStatus = Literal["active", "queued", "running", "succeeded", "failed", "canceled"]
+ListedStatus = Literal["active", "queued", "running", "succeeded", "completed", "failed", "canceled"]
 """What may be asked for: a state, or `active`."""
 
 
@@ -148,17 +142,17 @@ class ListedJob(Model):
         kind: The kind of the document that it computes, or `batch`.
         created_at: ISO 8601, UTC.
         started_at: ISO 8601, UTC; null until it starts.
-        runs_s: Its running time in seconds, so far or in total; null before its start.
+        ended_at: ISO 8601, UTC; null until it ends.
         key: The name of the key that asked for it first; null if that request had no key.
     """
 
     id: str
     kind: str | None = Field(json_schema_extra={"enum": [*KIND_NAMES, "batch", None]})
-    status: Literal["queued", "running", "succeeded", "failed", "canceled"]
+    status: Literal["queued", "running", "succeeded", "completed", "failed", "canceled"]
     created_at: str = Field(json_schema_extra={"format": "date-time"})
     started_at: str | None
-    estimate_s: float | None = ESTIMATE
-    runs_s: float | None
+    ended_at: str | None
+    estimate_seconds: float | None = ESTIMATE
     key: str | None
 
 
@@ -203,7 +197,7 @@ class BatchItem(Document):
     Attributes:
         id: A name of your choice, which is repeated with the result.
         kind: The kind of the requested document.
-        request: The question as in its own call, but without `deadline_s`.
+        request: The question as in its own call, but without `deadline_seconds`.
     """
 
     expected: ClassVar[str] = "give an object with kind and request"
@@ -243,35 +237,34 @@ class Batch(Model):
     """A batch, and the numbers of its items by state; the remaining items are not done yet.
 
     Attributes:
-        status: `succeeded` once every item is done, with or without an answer; `failed` if the batch could
+        status: `completed` once every item is done, with or without an answer; `failed` if the batch could
             not continue.
-        total: Number of items.
-        done: Items that are done.
+        done: Whether the batch has ended: completed, failed or canceled.
         succeeded: Items with an answer.
         failed: Items with a problem instead of an answer.
         canceled: Items that were not done when the batch was canceled.
         created_at: ISO 8601, UTC.
         started_at: ISO 8601, UTC; null until its first item is started.
-        finished_at: ISO 8601, UTC; null until it has ended.
+        ended_at: ISO 8601, UTC; null until it has ended.
         expires_at: ISO 8601, UTC: until when it can be fetched; null until it has ended.
         error: null unless the batch failed.
         position: Batches before it in its lane of the queue; null unless it is queued.
     """
 
     id: str
-    status: Literal["queued", "running", "succeeded", "failed", "canceled"]
-    total: int
-    done: int
+    status: Literal["queued", "running", "completed", "failed", "canceled"]
+    done: bool
+    progress: Progress
     succeeded: int
     failed: int
     canceled: int
     created_at: str = Field(json_schema_extra={"format": "date-time"})
     started_at: str | None
-    finished_at: str | None
+    ended_at: str | None
     expires_at: str | None
     error: JobError | None
     position: int | None
-    estimate_s: float | None = ESTIMATE
+    estimate_seconds: float | None = ESTIMATE
     links: BatchLinks
     deliveries: list[Delivery] | None = DELIVERIES
 
@@ -306,7 +299,7 @@ class JobEvent(Model):
 class BatchEvent(Model):
     """The event that a batch has ended."""
 
-    type: Literal["batch.succeeded", "batch.failed", "batch.canceled"]
+    type: Literal["batch.completed", "batch.failed", "batch.canceled"]
     timestamp: str = Field(description="ISO 8601, UTC: when it ended.")
     data: Batch = Field(description="The batch as it ended.")
 

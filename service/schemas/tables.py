@@ -165,9 +165,9 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other
     two.
 
-    Answers 200 with the table if every slice is already known. Otherwise answers 202 with a job that computes
-    the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for
-    the job and is 200 if the job succeeds in that time.
+    Answers 200 with the table if every slice is known or computed within 0.25 seconds, or within the N
+    seconds of `Prefer: wait=N`. Otherwise answers 202 with a job that computes the missing slices; follow its
+    `Location`.
 
     The `Content-Location` of the answer is a URL for GET, with `If-None-Match` and in other forms.
     `If-None-Match` has no meaning for POST and is ignored.

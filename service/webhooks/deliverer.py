@@ -311,11 +311,11 @@ def pause(seconds: float, retry_after: float | None) -> float:
 
 def event_type(view: JobView) -> str:
     """Returns the type of the event that a job or a batch has ended."""
-    return f"{'batch' if is_batch(view.id) else 'job'}.{view.status}"
+    return f"{'batch' if is_batch(view.id) else 'job'}.{view.state}"
 
 
 def event_of(delivery: Delivery, document_of: DocumentOf) -> bytes:
     """Returns the body, the same at every attempt."""
     job = delivery.job
-    event = {"type": event_type(job), "timestamp": job.finished_at, "data": document_of(job)}
+    event = {"type": event_type(job), "timestamp": job.ended_at, "data": document_of(job)}
     return json.dumps(event, separators=(",", ":"), ensure_ascii=False).encode()

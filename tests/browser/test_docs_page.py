@@ -56,7 +56,7 @@ def test_a_request_runs_as_it_is_printed(base_url: str, open_page: Open, languag
         "l2": 8,
         "l3": 9,
     }
-    block.get_by_label("Body").fill(json.dumps({**body, "digits": 20, "deadline_s": None}))
+    block.get_by_label("Body").fill(json.dumps({**body, "digits": 20, "deadline_seconds": None}))
     block.get_by_role("tab", name=language).click()
     program = [*PROGRAMS[language], block.locator("[role=tablist] + pre").text_content()]
     printed = completed(program, environment(), in_full=True).stdout

@@ -89,7 +89,7 @@ def test_a_name_to_listen_on(tmp_path: Path) -> None:
     with running(tmp_path, "--host", "127.1") as (base, _):
         port = base.rpartition(":")[2]
         for host, status in ((f"127.1:{port}", 200), (f"127.2:{port}", 421)):
-            assert httpx.get(f"{base}/version", headers={"Host": host}).status_code == status
+            assert httpx.get(f"{base}/v1/version", headers={"Host": host}).status_code == status
 
 
 def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) -> None:
@@ -97,7 +97,8 @@ def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) ->
     answer."""
     question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
     with httpx.Client(base_url=local.base, timeout=PATIENCE) as client:
-        first = client.post("/v1/cusp-tables", json=question).json()
+        headers = {"Prefer": "respond-async"}
+        first = client.post("/v1/cusp-tables", json=question, headers=headers).json()
         with ThreadPoolExecutor(1) as pool:
             waiting = pool.submit(
                 client.post, "/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}

@@ -75,8 +75,8 @@ def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
     assert failure is not None
     assert failure["type"] == "timeout"
     assert view.started_at is not None
-    assert view.finished_at is not None
-    seconds = datetime.fromisoformat(view.finished_at) - datetime.fromisoformat(view.started_at)
+    assert view.ended_at is not None
+    seconds = datetime.fromisoformat(view.ended_at) - datetime.fromisoformat(view.started_at)
     assert seconds.total_seconds() > 1.3
 
 
@@ -192,7 +192,7 @@ class Reader:
 
     def read(self) -> None:
         """Read all."""
-        while len(self.received) < self.batch["total"]:
+        while len(self.received) < self.batch["progress"]["total"]:
             try:
                 self._read()
             except httpx.TransportError:
@@ -295,7 +295,7 @@ def test_ten_thousand_items(tmp_path: Path) -> None:
         )
         assert answer.status_code == 202
         batch = answer.json()
-        assert (batch["total"], batch["failed"]) == (count, 0)
+        assert (batch["progress"]["total"], batch["failed"]) == (count, 0)
         acts = {n: partial(look, stack) for n in range(500, count + 1, 500)}
         acts |= {n: partial(kill, stack, "worker.__main__") for n in (1500, 6500)}
         acts |= {n: partial(kill, stack, "api_process") for n in (3250, 8250)}
@@ -304,7 +304,7 @@ def test_ten_thousand_items(tmp_path: Path) -> None:
         assert reader.received == list(range(count))
         assert reader.breaks >= 2
         state = client.get(batch["links"]["self"]).json()
-        assert (state["status"], state["succeeded"], state["failed"]) == ("succeeded", count, 0)
+        assert (state["status"], state["succeeded"], state["failed"]) == ("completed", count, 0)
         whole = client.get(batch["links"]["results"]).text.splitlines()
         assert [json.loads(line)["index"] for line in whole] == list(range(count))
         look(stack)

@@ -39,7 +39,9 @@ def asked(stack: Stack, budget: int) -> str:
         "decimals": 2,
         "budget": {"censuses": budget},
     }
-    reply = httpx.post(f"{stack.base}/v1/designs", json=body, timeout=PATIENCE)
+    reply = httpx.post(
+        f"{stack.base}/v1/designs", json=body, headers={"Prefer": "respond-async"}, timeout=PATIENCE
+    )
     assert reply.status_code == 202
     return str(reply.json()["links"]["self"])
 

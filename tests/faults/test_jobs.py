@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_pose_table, a_request, depth, ended, table_of
+from tests.support.jobs import a_document, a_pose_table, a_request, depth, ended, open_chunks, table_of
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -19,8 +19,8 @@ from tests.support.processes import (
     until,
 )
 from worker.answers.kind import JobRequest
-from worker.jobs.clients import JobView
 from worker.jobs.queue import JobQueue
+from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
 
 SHORT = {"beat_interval": 0.2, "beat_ttl": 2, "sweep_interval": 0.2, "lost_grace": 0.2}
@@ -47,7 +47,7 @@ def is_at_work(queue: JobQueue, view: JobView) -> bool:
 
 
 def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
-    """Nothing fails. The job succeeds, the workers log nothing, and RQ keeps nothing of it in Redis."""
+    """Nothing fails. The job succeeds, the workers log nothing, and RQ keeps its part for a minute."""
     workers.start(shutdown_grace=PATIENCE / 2)  # the job succeeds a moment before its horse ends
     queue = jobs(redis)
     request = a_request("14.98", "0.5", "27")
@@ -58,24 +58,23 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
     assert table["slices"][0]["count"] == 6
     workers.stop()
     assert workers.log.read_text() == ""
-    left = {key.decode() for key in redis.keys("rq:*")} - {"rq:queues", "rq:workers"}
-    assert not {key for key in left if not key.startswith("rq:worker:")}
+    left = [key for key in redis.keys("rq:*") if key.startswith((b"rq:job:", b"rq:results:"))]
+    assert all(0 < redis.ttl(key) <= 60 for key in left)
 
 
 @both_kinds
 def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, request_: JobRequest) -> None:
     """A computation hangs in C code. It ends at the deadline, and the job fails with `timeout`, which is
     logged; workers continue."""
-    worker = workers.start(deadline_seconds=0.7)
+    worker = workers.start(deadline_seconds=1, task="tests.support.hard_tasks.endless")
     view = ended(jobs(redis), jobs(redis, "endless").submit(request_).id)
     assert view.status == "failed"
     assert view.error == {
         "type": "timeout",
-        "detail": "The computation was stopped at the time limit of 0.7 s.",
+        "detail": "The computation was stopped at the time limit of 1 s.",
     }
-    assert descendants(worker.pid) == []
-    told = r"WARNING chunk 0 \([a-z-]+\): timeout; it has run for \d+\.\d s, the estimate was \d+\.\d+ s job="
-    assert re.search(told + view.id, workers.log.read_text())
+    until(lambda: descendants(worker.pid) == [])
+    assert re.search(r"WARNING chunk 0: gave up [a-z-]+: timeout: .* job=" + view.id, workers.log.read_text())
     # the same worker continues
     other = ended(jobs(redis), jobs(redis, "endless").submit(a_request("3")).id)
     assert (other.error or {})["type"] == "timeout"
@@ -168,7 +167,9 @@ def test_what_ends_a_work_horse_ends_one_chunk(redis: Redis, workers: Workers, t
         until(lambda: is_at_work(queue, view))
         assert descendants(worker.pid) == first
         queue.cancel(view.id)
-    assert ended(queue, view.id).status == ("canceled" if task == "canceled" else "failed")
+    # what is tried again is tried with the usual task
+    expected = {"canceled": "canceled", "broken": "failed"}.get(task, "succeeded")
+    assert ended(queue, view.id).status == expected
     until(lambda: not is_running(first[0]))
     second = horse_after("16")
     assert second == horse_after("17") != first
@@ -323,9 +324,7 @@ def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers)
 
 
 @both_kinds
-@pytest.mark.parametrize(
-    "lost", [["chunks"], ["active"], ["bits"], ["suspects", "beat"], ["record"], ["todo"]]
-)
+@pytest.mark.parametrize("lost", [["chunks"], ["active"], ["bits"], ["suspects", "beat"], ["record"]])
 def test_no_job_hangs_when_redis_loses_a_key(
     redis: Redis, workers: Workers, request_: JobRequest, lost: list[str]
 ) -> None:
@@ -334,10 +333,10 @@ def test_no_job_hangs_when_redis_loses_a_key(
     queue = jobs(redis, "gated")
     view = queue.submit(request_)
     until(lambda: redis.llen("begun") == 1)
-    (chunk,) = queue.records.open_chunks()
+    (ref,) = open_chunks(queue)
     keys = queue.records.keys
     names = {**keys.job(view.id)._asdict(), "active": keys.active, "suspects": keys.suspects}
-    names |= {"beat": keys.beat(chunk.ref.rq_id), "todo": keys.job(view.id).todo}
+    names |= {"beat": keys.beat(ref.rq_id)}
     redis.delete(*(names[name] for name in lost))
 
     def has_ended() -> bool:
@@ -438,9 +437,7 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
     events = redis.xrange(queue.records.keys.job(request.job_id).events)
     assert sum(fields[b"type"] == b"slice" for _, fields in events) == 12
     table = table_of(queue, request.job_id)
-    horses = {s["certificate"]["pid"] for s in table["slices"]}
-    assert len(horses) == 3
-    assert os.getpid() not in horses
+    assert os.getpid() not in {s["certificate"]["pid"] for s in table["slices"]}
 
 
 def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: Workers) -> None:

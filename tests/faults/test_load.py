@@ -13,7 +13,7 @@ from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended
 from tests.support.processes import PATIENCE, Workers, until
-from tests.support.service_server import GEOMETRY, serving
+from tests.support.service_server import GEOMETRY, NO_WAIT, serving
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -89,7 +89,7 @@ def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> Non
     assert {ended(queue, job).status for job in censuses} == {"succeeded"}
     ends = [queue.get(job) for job in censuses]
     assert ended(queue, table).status == "succeeded"
-    last = max(view.finished_at or "" for view in ends if view is not None)
+    last = max(view.ended_at or "" for view in ends if view is not None)
     done = queue.get(table)
     assert done is not None
     assert done.started_at is not None
@@ -123,7 +123,9 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
         ThreadPoolExecutor(16) as pool,
     ):
         bodies = [{"geometry": {**GEOMETRY, "a3y": f"{10 + n}"}, "l1": "1", "digits": 30} for n in range(200)]
-        answers = list(pool.map(lambda body: client.post("/v1/cusp-tables", json=body), bodies))
+        answers = list(
+            pool.map(lambda body: client.post("/v1/cusp-tables", json=body, headers=NO_WAIT), bodies)
+        )
     refused = [answer for answer in answers if answer.status_code == 503]
     accepted = [answer for answer in answers if answer.status_code == 202]
     assert len(accepted) + len(refused) == 200
@@ -137,9 +139,9 @@ def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, wo
     horse ends, and the worker continues."""
     queue = blocking(redis)
     workers.start(sweep_interval=0.2)
-    running = queue.submit(a_request("1"), deadline_s=1.5)
+    running = queue.submit(a_request("1"), deadline_seconds=1.5)
     until(lambda: redis.llen("begun") == 1)
-    waiting = queue.submit(a_request("2"), deadline_s=0.5)
+    waiting = queue.submit(a_request("2"), deadline_seconds=0.5)
     with (
         serving(Settings(redis_url=valkey.url)) as url,
         httpx.Client(base_url=url, timeout=PATIENCE) as client,
@@ -158,8 +160,8 @@ def test_the_most_patient_client_counts(redis: Redis, workers: Workers) -> None:
     """Two clients share a job, with different deadlines. It continues until the later one."""
     queue = blocking(redis)
     workers.start(sweep_interval=0.1)
-    job = queue.submit(a_request("1"), deadline_s=0.6).id
-    queue.submit(a_request("1"), deadline_s=60)
+    job = queue.submit(a_request("1"), deadline_seconds=0.6).id
+    queue.submit(a_request("1"), deadline_seconds=60)
     time.sleep(1.2)
     view = queue.get(job)
     assert view is not None

@@ -21,7 +21,7 @@ from redis import Redis
 from rpr_solver import SOLVER_VERSION, Manipulator, table_document
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, ROOT, Workers, environment, started, until
-from tests.support.service_server import GEOMETRY, ended
+from tests.support.service_server import GEOMETRY, NO_WAIT, ended
 from worker.connection import connect
 
 OTHER = "99"
@@ -68,7 +68,7 @@ def side(version: str, root: Path, url: str, folder: Path, **settings: object) -
         assert address is not None
         workers = Workers(url, folder / f"workers-{version}.log", root=root)
         with httpx.Client(base_url=address.group(), timeout=PATIENCE) as api:
-            reply = api.get("/version")
+            reply = api.get("/v1/version")
             assert reply.status_code == 200, reply.text
             assert reply.json()["solver_version"] == version
             try:
@@ -132,7 +132,7 @@ def test_workers_of_two_versions_are_killed(
         for of in sides:
             for _ in range(jobs // (2 * kills)):
                 asked = question(len(taken), slices)
-                answer = of.api.post("/v1/cusp-tables", json=asked)
+                answer = of.api.post("/v1/cusp-tables", json=asked, headers=NO_WAIT)
                 assert answer.status_code == 202
                 taken.append((of, asked, answer.json()["id"]))
         until(partial(is_busy_or_done, redis, victim))
@@ -167,7 +167,7 @@ def test_a_job_is_followed_and_ended_by_the_api_of_another_version(
     than the one that took it. It is the same job; nothing of the other version changes.
     """
     first, second = sides
-    job = first.api.post("/v1/cusp-tables", json=question(0, 2)).json()
+    job = first.api.post("/v1/cusp-tables", json=question(0, 2), headers=NO_WAIT).json()
     items = {"items": [{"kind": "cusp-table", "request": question(1, 2)}]}
     once = {"Idempotency-Key": "upgrade"}
     batch = first.api.post("/v1/batches", json=items, headers=once).json()

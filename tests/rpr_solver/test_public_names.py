@@ -42,7 +42,7 @@ FUNCTIONS = {
     "path_csv",
     "poses",
     "poses_of_squares",
-    "range_aspects",
+    "aspects",
     "restrict_census",
     "shorten_slice",
     "singular_csv",

@@ -361,7 +361,7 @@ REFUSED: dict[str, Callable[[Manipulator], object]] = {
     "design": lambda m: rpr_solver.design(m, "longest-range", Requirement(start=1, stop=2, max_cusps=0)),
     "export": lambda m: rpr_solver.export(table_document(m, 3, digits=15), "sympy"),
     "cusp curves": rpr_solver.cusp_curves,
-    "aspects": lambda m: rpr_solver.range_aspects(m, 1, 2),
+    "aspects": lambda m: rpr_solver.aspects(m, 1, 2),
     "connections": lambda m: rpr_solver.pose_connections(m, 4, 5, 6),
     "path": lambda m: rpr_solver.joint_path(m, 4, 5, 6, 1, 2),
 }

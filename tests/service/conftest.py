@@ -64,8 +64,8 @@ def base_url(valkey: EmbeddedValkey, worker: None) -> Iterator[str]:  # noqa: AR
 
 @pytest.fixture
 def api(base_url: str) -> Iterator[httpx.Client]:
-    """A client of a service with a worker."""
-    with httpx.Client(base_url=base_url, timeout=PATIENCE) as client:
+    """A client of a service with a worker; it waits for answers unless it says otherwise."""
+    with httpx.Client(base_url=base_url, timeout=PATIENCE, headers={"Prefer": "wait=20"}) as client:
         yield client
 
 

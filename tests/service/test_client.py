@@ -26,6 +26,7 @@ from service.client import (
     Asked,
     AsyncServiceClient,
     ServiceClient,
+    aspects,
     assembly_modes,
     census,
     check,
@@ -41,7 +42,6 @@ from service.client import (
     pose_connections,
     pose_path,
     poses,
-    range_aspects,
     singular_curves,
     stub,
     verify_document,
@@ -134,11 +134,11 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         lambda: rpr_solver.singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01").to_json(),
     ),
     "aspects": (
-        range_aspects(FIRST, 27, fixed_leg=3),
+        aspects(FIRST, 27, fixed_leg=3),
         lambda: {
             **document_head(FIRST, 15, 3),
             "range": {"from": "27", "to": None},
-            "aspects": [x.to_json() for x in rpr_solver.range_aspects(FIRST, 27, fixed_leg=3)],
+            "aspects": [x.to_json() for x in rpr_solver.aspects(FIRST, 27, fixed_leg=3)],
         },
     ),
     "assembly modes": (
@@ -341,7 +341,7 @@ def test_an_option_that_does_not_exist_is_refused() -> None:
     with pytest.raises(TypeError, match="unexpected keyword argument 'digit'"):
         cusp_loop(ZEIN, 10, "B", digit=15)  # type: ignore[call-arg]
     asked = plot(ZEIN, "loop", length="10", fixed_leg=2, cusp=3, deadline=9.5).question.body()
-    wanted = {"plot": "loop", "fixed_leg": 2, "l2": "10", "cusp": 3, "deadline_s": 9.5}
+    wanted = {"plot": "loop", "fixed_leg": 2, "l2": "10", "cusp": 3, "deadline_seconds": 9.5}
     assert {name: asked[name] for name in wanted} == wanted
 
 

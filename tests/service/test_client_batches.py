@@ -76,7 +76,7 @@ def test_the_asynchronous_client_reads_several_batches_at_once(base_url: str) ->
                     group.start_soon(read, client, name)
             batch = await client.submit(questions(31, 32))
             assert (
-                (await client.wait(batch.id)).status == (await client.batch(batch.id)).status == "succeeded"
+                (await client.wait(batch.id)).status == (await client.batch(batch.id)).status == "completed"
             )
             partial = [r.line async for r in client.results(batch.id, wait=False, after=0)]
             assert len(partial) == 1
@@ -190,7 +190,7 @@ def test_a_submission_whose_answer_is_lost_makes_one_batch(
     asked = iter(questions(50, 51))  # a generator cannot be sent again; what it gave can
     with cut(idle_url, 10, 10) as (url, way), client_type(url) as client:
         batch = client.submit(asked)
-        assert batch.total == 2
+        assert batch.progress.total == 2
         sent = b"".join(way.requests).lower()
         assert sent.count(b"post /v1/batches ") == 3
         assert len({part[:36] for part in sent.split(b"idempotency-key: ")[1:]}) == 1

@@ -63,7 +63,7 @@ def a_slice_of_curves() -> JobRequest:
 
 def a_heavy_document(digits: int = 30) -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": digits}
-    return JobRequest(CUSP_CURVES, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": None})
+    return JobRequest(CUSP_CURVES, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": 5})
 
 
 SMALL = Manipulator(2, 0, 1, 3, 2, 4)

@@ -317,7 +317,7 @@ def main() -> int:
         )
         subprocess.run(["tar", "-x", "-C", old], input=archive.stdout, check=True)
         clients = [stack.enter_context(service(tree)) for tree in (Path(old), ROOT)]
-        first, second = (client.get("/version").json()["solver_version"] for client in clients)
+        first, second = (client.get("/v1/version").json()["solver_version"] for client in clients)
         pool = stack.enter_context(ThreadPoolExecutor(2))
         for kind, question in questions(options.count, options.seed, options.kinds.split(",")):
             before, after = pool.map(lambda client, k=kind, q=question: ask(client, k, q), clients)

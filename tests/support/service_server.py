@@ -46,6 +46,9 @@ def serving_app(app: FastAPI, port: int = 0) -> Iterator[str]:
             thread.join(PATIENCE)
 
 
+NO_WAIT = {"Prefer": "respond-async"}
+
+
 def accepted(ask: Callable[[], httpx.Response]) -> httpx.Response:
     """Asks new questions until one is accepted as a job: on a busy machine the worker may be the first."""
 

@@ -84,7 +84,6 @@ class PerimeterRequest(Question):
     path = "/v1/perimeters"
     tag = "perimeters"
     summary = "The perimeter of the platform"
-    implied_wait = 10
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: Form(_csv, "A line.")}
     examples: ClassVar[Examples] = {"two": ("Of two platforms", {"copies": 2})}
 

@@ -87,7 +87,7 @@ def aspects(request: JobRequest, _store: Store, _progress: Progress) -> Document
         SolverError: the ends of the range could not be compared.
     """
     leg, ends = request.fixed_leg, request.content["range"]
-    found = rpr_solver.range_aspects(request.manipulator, ends["from"], ends["to"], fixed_leg=leg)
+    found = rpr_solver.aspects(request.manipulator, ends["from"], ends["to"], fixed_leg=leg)
     return {
         **document_head(request, request.digits, leg),
         "range": dict(ends),

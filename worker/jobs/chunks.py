@@ -17,7 +17,7 @@ from typing import Any, cast
 from redis import Redis
 from redis.client import Pipeline
 from rq import Queue
-from rq.exceptions import NoSuchJobError
+from rq.exceptions import InvalidJobOperation, NoSuchJobError
 from rq.job import Job
 from rq.queue import EnqueueData
 from rq.serializers import JSONSerializer
@@ -149,7 +149,7 @@ class ChunkQueue(InRedis):
     def discard(self, rq_ids: Iterable[str]) -> None:
         """Delete attempts that are out of date, wherever RQ has them; one that runs its worker ends."""
         for rq_id in rq_ids:
-            with suppress(NoSuchJobError):
+            with suppress(NoSuchJobError, InvalidJobOperation):  # it is gone, or has just gone
                 job = Job.fetch(rq_id, connection=self.redis, serializer=JSONSerializer)
                 with self.redis.pipeline() as pipe:
                     job.delete(pipeline=pipe)

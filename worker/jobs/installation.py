@@ -79,15 +79,15 @@ class WaitingChunks:
 class Load:
     """The work that waits, those who do it, and what they have done."""
 
-    lanes: tuple[WaitingChunks, ...]
-    active_jobs: int
-    suspected_chunks: int
-    workers: int
-    ends: Ends
-    deliveries: dict[str, int]
-    archive: dict[str, int]
-    memory: int
-    memory_limit: int
+    lanes: tuple[WaitingChunks, ...] = ()
+    active_jobs: int = 0
+    suspected_chunks: int = 0
+    workers: int = 0
+    ends: Ends = field(default_factory=Ends)
+    deliveries: Mapping[str, int] = field(default_factory=dict)
+    archive: Mapping[str, int] = field(default_factory=dict)
+    memory: int = 0
+    memory_limit: int = 0
 
 
 def read_load(redis: Redis, settings: WorkerSettings) -> Load:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from worker.answers.kinds import is_batch
-from worker.jobs.keys import InRedis, seconds_of
+from worker.jobs.keys import InRedis
 from worker.jobs.view import ACTIVE, JobView, Status, view_of
 from worker.lua.scripts import VIEW_FIELDS
 
@@ -24,12 +24,10 @@ class Listed:
     Attributes:
         view: its state.
         maker: the client that asked for it first, if it is known.
-        runs_s: the seconds for which it has run; None if it has not begun.
     """
 
     view: JobView
     maker: str | None
-    runs_s: float | None
 
 
 @dataclass(frozen=True)
@@ -76,24 +74,18 @@ class Listing(InRedis):
 
     def _read(self, entries: Sequence[tuple[str, str]]) -> list[tuple[str, str, Listed | None]]:
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.time()
             for job_id, _ in entries:
                 pipe.hmget(self.keys.job(job_id).record, [*VIEW_FIELDS, "maker"])
-            time, *records = pipe.execute()
-        now = seconds_of(time)
+            records = pipe.execute()
         return [
-            (job_id, score, _listed(job_id, fields, now))
+            (job_id, score, _listed(job_id, fields))
             for (job_id, score), fields in zip(entries, records, strict=True)
         ]
 
 
-def _listed(job_id: str, fields: list[bytes | None], now: float) -> Listed | None:
+def _listed(job_id: str, fields: list[bytes | None]) -> Listed | None:
     view = view_of(job_id, fields)
     if view is None:
         return None
-    started = dict(zip(VIEW_FIELDS, fields, strict=False))["started"]
-    runs = view.run_seconds
-    if started is not None and not view.is_terminal:
-        runs = max(0.0, now - float(started))
     maker = fields[-1]
-    return Listed(view, maker.decode() if maker else None, runs)
+    return Listed(view, maker.decode() if maker else None)

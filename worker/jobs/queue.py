@@ -117,15 +117,15 @@ class JobQueue(InRedis):
     def submit(
         self,
         request: JobRequest,
-        deadline_s: float | None = None,
+        deadline_seconds: float | None = None,
         *,
         is_unknown: bool = False,
         by: Client | None = None,
     ) -> JobView:
         """Submit a request for a table or another document; returns its job.
 
-        The job fails if it is not done in `deadline_s` seconds. If several clients submit it, the latest of
-        their deadlines counts; None is no deadline.
+        The job fails if it is not done in `deadline_seconds` seconds. If several clients submit it, the
+        latest of their deadlines counts; None is no deadline.
 
         Joins a job that is queued or running, or has succeeded and still has its results. A job that failed,
         was canceled, or whose results have expired is started anew. `is_unknown`: the answer was looked up a
@@ -140,12 +140,12 @@ class JobQueue(InRedis):
             todo: Sequence[str] = request.parts if is_missing else missing_parts(request, self.store)
             if seen is not None and seen.status == "succeeded" and not todo:
                 return seen
-            made = self._make(request, todo, seen.run if seen else "", deadline_s, by)
+            made = self._make(request, todo, seen.run if seen else "", deadline_seconds, by)
             if made is not None:
                 return made
             seen = self.records.view(request.job_id)  # most often there is none, so it comes last
             if seen is not None and not seen.is_terminal:
-                joined = self.records.join(seen.id, by, deadline_s)
+                joined = self.records.join(seen.id, by, deadline_seconds)
                 if joined is not None and not joined.is_terminal:
                     return joined
                 seen = joined
@@ -155,13 +155,13 @@ class JobQueue(InRedis):
         request: JobRequest,
         todo: Sequence[str],
         seen_run: str,
-        deadline_s: float | None,
+        deadline_seconds: float | None,
         by: Client | None,
     ) -> JobView | None:
         """Make a job in place of the run that was seen; None if another client was faster."""
         positions, known = _positions(request, todo)
         job = self.plan(request, positions)
-        return self.records.create(NewJob(request, job, known, seen_run, deadline_s, by))
+        return self.records.create(NewJob(request, job, known, seen_run, deadline_seconds, by))
 
     def plan(self, request: JobRequest, positions: Sequence[int]) -> Plan:
         """Returns the lane and the chunks of a job that computes the parts at these positions."""

@@ -27,7 +27,7 @@ from worker.logs import subject
 from worker.lua.scripts import VIEW_FIELDS
 from worker.settings import WorkerSettings
 
-_OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
+_OVERDUE = "The job was not done by the deadline of its request (deadline_seconds)."
 _ABOUT = 300  # characters of a question that are shown with its RQ jobs
 
 _LISTED, _LISTED_OF_CLIENT = 20_000, 2_000
@@ -58,7 +58,7 @@ class NewJob:
         plan: of what is to be computed.
         known: the positions of the parts that are known already.
         seen_run: the run in whose place it comes, which is not active; empty if none was seen.
-        deadline_s: the seconds in which it must be done.
+        deadline_seconds: the seconds in which it must be done.
         by: who asks for it.
         failed: the positions of the items of a batch that cannot be asked.
     """
@@ -67,7 +67,7 @@ class NewJob:
     plan: Plan
     known: Sequence[int] = ()
     seen_run: str = ""
-    deadline_s: float | None = None
+    deadline_seconds: float | None = None
     by: Client | None = None
     failed: Sequence[int] = ()
 
@@ -85,7 +85,7 @@ class NewJob:
             "failed": str(len(self.failed)) if self.failed else None,
             "known": dump([*self.known]) if self.known else None,
             "maker": None if self.by is None else self.by.id,
-            "deadline": None if self.deadline_s is None else f"{now + self.deadline_s:.6f}",
+            "deadline": None if self.deadline_seconds is None else f"{now + self.deadline_seconds:.6f}",
         }
         return {name: value for name, value in fields.items() if value is not None}
 
@@ -217,7 +217,7 @@ class JobRecords(InRedis):
         if plan.chunks:
             self.chunks.enqueue(pipe, job_id, run, _entries(plan), about_of(new.request))
         pipe.persist(keys.items)
-        self._account(pipe, job_id, plan, now, new.deadline_s)
+        self._account(pipe, job_id, plan, now, new.deadline_seconds)
         self._list(pipe, job_id, now, None)
         if by is not None:
             self._list(pipe, job_id, now, by)
@@ -245,12 +245,14 @@ class JobRecords(InRedis):
                 raise QueueFullError(plan.lane, waiting / workers)
         return added
 
-    def _account(self, pipe: Pipeline, job_id: str, plan: Plan, now: float, deadline_s: float | None) -> None:
+    def _account(
+        self, pipe: Pipeline, job_id: str, plan: Plan, now: float, deadline_seconds: float | None
+    ) -> None:
         pipe.zadd(self.keys.active, {job_id: now})
         pipe.zadd(self.keys.queued(plan.lane), {job_id: now})
         pipe.hincrby(self.keys.work, f"{plan.lane}:added", _milliseconds(plan.seconds))
-        if deadline_s is not None:
-            pipe.zadd(self.keys.deadlines, {job_id: now + deadline_s})
+        if deadline_seconds is not None:
+            pipe.zadd(self.keys.deadlines, {job_id: now + deadline_seconds})
 
     def _list(self, pipe: Pipeline, job_id: str, now: float, by: Client | None) -> None:
         """List a job that is made, or for one more client that asks for it."""
@@ -262,7 +264,7 @@ class JobRecords(InRedis):
         if by is not None and by.is_known:
             pipe.sadd(self.keys.job(job_id).wanted, by.id)
 
-    def join(self, job_id: str, by: Client | None, deadline_s: float | None) -> JobView | None:
+    def join(self, job_id: str, by: Client | None, deadline_seconds: float | None) -> JobView | None:
         """Have one more client want an active job, until the latest of all deadlines; returns the job."""
         record = self.keys.job(job_id).record
 
@@ -274,12 +276,16 @@ class JobRecords(InRedis):
                 self._list(pipe, job_id, now, by)
             if (status or b"").decode() not in ACTIVE:
                 pipe.delete(self.keys.job(job_id).wanted)
-            elif deadline is not None and deadline_s is None:
+            elif deadline is not None and deadline_seconds is None:
                 pipe.hdel(record, "deadline")
                 pipe.zrem(self.keys.deadlines, job_id)
-            elif deadline is not None and deadline_s is not None and now + deadline_s > float(deadline):
-                pipe.hset(record, "deadline", f"{now + deadline_s:.6f}")
-                pipe.zadd(self.keys.deadlines, {job_id: now + deadline_s})
+            elif (
+                deadline is not None
+                and deadline_seconds is not None
+                and now + deadline_seconds > float(deadline)
+            ):
+                pipe.hset(record, "deadline", f"{now + deadline_seconds:.6f}")
+                pipe.zadd(self.keys.deadlines, {job_id: now + deadline_seconds})
 
         self.redis.transaction(step, record)
         return self.view(job_id)

@@ -8,9 +8,13 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Literal, cast
 
+from worker.answers.kinds import is_batch
 from worker.lua.scripts import VIEW_FIELDS
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
+
+State = Literal[Status, "completed"]
+"""What callers see: a batch ends as `completed`, since some of its items may have failed."""
 
 ACTIVE: frozenset[Status] = frozenset({"queued", "running"})
 
@@ -31,7 +35,7 @@ class JobView:
         deadline_at: when the job fails unless it is done; None if a client waits without a deadline.
         place: its position in the queue, if it is queued.
         failed: the items of a batch that are done without an answer.
-        estimate_s: its estimated work, in seconds of one core; None if it is not known.
+        estimate_seconds: its estimated work, in seconds of one core; None if it is not known.
         event: the event of this state, if known: events to wait for follow it.
     """
 
@@ -41,13 +45,13 @@ class JobView:
     total: int
     created_at: str
     started_at: str | None
-    finished_at: str | None
+    ended_at: str | None
     error: dict[str, str] | None
     run: str
     deadline_at: str | None = None
     place: QueuePosition | None = None
     failed: int = 0
-    estimate_s: float | None = None
+    estimate_seconds: float | None = None
     event: str = field(default="", compare=False)
 
     @property
@@ -56,12 +60,14 @@ class JobView:
         return self.status not in ACTIVE
 
     @property
-    def run_seconds(self) -> float | None:
-        """The seconds from its start to its end; None until then, and for one that never began."""
-        if self.started_at is None or self.finished_at is None:
-            return None
-        start, end = map(datetime.fromisoformat, (self.started_at, self.finished_at))
-        return (end - start).total_seconds()
+    def state(self) -> State:
+        """The status as callers see it."""
+        return shown_state(self.id, self.status)
+
+
+def shown_state(job_id: str, status: Status) -> State:
+    """Returns the status of a job or a batch as callers see it."""
+    return "completed" if status == "succeeded" and is_batch(job_id) else status
 
 
 def view_of(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
@@ -84,12 +90,12 @@ def job_view(job_id: str, fields: Mapping[str, str], event: str = "") -> JobView
         total=int(fields.get("total", 0)),
         created_at=created or "",
         started_at=started,
-        finished_at=finished,
+        ended_at=finished,
         error=json.loads(error) if error else None,
         run=fields["run"],
         deadline_at=deadline,
         failed=int(fields.get("failed", 0)),
-        estimate_s=int(fields["work"]) / 1000 if "work" in fields else None,
+        estimate_seconds=int(fields["work"]) / 1000 if "work" in fields else None,
         event=event,
     )
 

@@ -13,6 +13,7 @@ import signal
 import socket
 import threading
 import time
+from dataclasses import astuple
 from math import inf
 from types import FrameType
 from typing import Any
@@ -246,7 +247,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         """Have the horse perform a job, and look after it until its end."""
         try:
             ref = ref_of(job.id)
-            is_chunk = job.func_name == self.settings.task
+            is_chunk = tuple(job.args[:4]) == astuple(ref)
         except Exception:
             is_chunk = False
         if not is_chunk:
@@ -262,8 +263,8 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         self.execution = None
 
     def _refuse(self, job: Job, queue: Queue) -> None:
-        text = f"not a chunk of rpr-cusps, or enqueued by other than its API (function {self.settings.task})"
-        log.warning("refused the RQ job %s: %s", job.id, text)
+        text = "it is not a chunk of rpr-cusps"
+        log.warning("refused the RQ job %r: %s", job.id, text)
         job.started_at = job.ended_at = rq.utils.now()
         self.handle_job_failure(job, queue, exc_string=text)
 
@@ -343,10 +344,10 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
                 job.ended_at = rq.utils.now()
                 self.handle_job_failure(job, queue, exc_string=given_up)
                 return
-        with self.connection.pipeline() as pipe:  # the next attempt is another RQ job, if there is one
+        with self.connection.pipeline() as pipe:
             self.cleanup_execution(job, pipe)
-            job.delete(pipeline=pipe)
             pipe.execute()
+        self._interruptions.chunks.discard([job.id])  # the next attempt is another RQ job, if there is one
 
     # -- in the horse ------------------------------------------------------------------------------
 

@@ -1,200 +1,188 @@
-"""The items of a batch, cut from a body while it is received: one line each, or the elements of an array."""
+"""The items of a batch in its body: one line each, or the elements of an array."""
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Literal, Protocol
+from collections.abc import Callable, Iterator, Mapping
+from io import TextIOWrapper
+from typing import IO, Literal
 
 from rpr_solver.errors import InputError
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.document import JsonError, parse_json
 
-_CALLBACK = rb'"callback_url"\s*:\s*("(?:[^"\\]|\\.)*"|[\w.+-]+)\s*'
-_BEGIN = re.compile(rb'\s*(?:(\[)|\{\s*(?:%s,\s*)?"items"\s*:\s*\[)' % _CALLBACK)
-_END = re.compile(rb",\s*%s\}" % _CALLBACK)
-_MARK = re.compile(rb'["\[\]{},]')
-_IN_STRING = re.compile(rb'[^"\\]*+(?:\\.[^"\\]*+)*+', re.DOTALL)
-_SPACE = b" \t\r\n"
-_LONGEST_BEGIN = 16_000
-
-
 Sent = bytes | Mapping[str, str]
 """An item as it is sent: the text of a JSON object, or the cells of a row by their columns."""
 
+CheckSize = Callable[[int], None]
+"""Refuses the next item if it has this number of bytes or more."""
 
-class Cutter(Protocol):
-    """Cuts a body into its items."""
-
-    def feed(self, piece: bytes) -> Iterator[Sent]:
-        """Yields the items that are complete with the next piece of the body."""
-
-    def end(self) -> Iterator[Sent]:
-        """Yields what is left at the end of the body.
-
-        Raises:
-            ProblemError: the body is not complete.
-        """
-
-    @property
-    def held(self) -> int:
-        """The bytes that are kept until their item is complete."""
+_BLOCK = 64 << 10
+"""Characters that are read at first; an item that continues is read again with twice as many."""
 
 
-class Lines:
-    """Newline-delimited items; empty lines are skipped.
+def lines(body: IO[bytes], longest: int, check: CheckSize) -> Iterator[tuple[int, bytes]]:
+    """Yields the lines of a body with their numbers, from 1, without those that are empty.
 
-    Attributes:
-        number: of the line that was yielded last, from 1, empty ones included.
+    Args:
+        body: the file.
+        longest: the bytes of an item at most.
+        check: called with the size of a line that has more.
     """
-
-    def __init__(self) -> None:
-        self.number = 0
-        self._rest = bytearray()
-
-    @property
-    def held(self) -> int:
-        """The bytes that are kept until their item is complete."""
-        return len(self._rest)
-
-    def feed(self, piece: bytes) -> Iterator[bytes]:
-        """Yields the lines that are complete with the next piece of the body."""
-        lines, newline, rest = piece.rpartition(b"\n")
-        if not newline:
-            self._rest += piece
-            return iter(())
-        complete, self._rest = bytes(self._rest) + lines, bytearray(rest)
-        return self._counted(complete.split(b"\n"))
-
-    def end(self) -> Iterator[bytes]:
-        """Yields the last line, if it does not end in a newline."""
-        return self._counted([bytes(self._rest)])
-
-    def _counted(self, lines: Iterable[bytes]) -> Iterator[bytes]:
-        for line in lines:
-            self.number += 1
-            if line.strip(_SPACE):
-                yield line
+    number = 0
+    while line := body.readline(longest + 2):
+        number += 1
+        if len(line) > longest + 1:
+            check(len(line))
+        if line.strip():
+            yield number, line.rstrip(b"\n")
 
 
 class Elements:
     """The elements of `{"items": […]}`, or of an array alone.
 
-    Each byte is read once, however the body is split into pieces: it remembers its position, within a string
-    too.
+    The `json` of the standard library finds where an element ends; whether it is strict JSON is asked when
+    it is read as a question, so that a fault in it is the problem of one item.
+
+    Args:
+        body: the file.
+        longest: the bytes of an item at most.
+        check: called with the size of an element that has more.
 
     Attributes:
         callback_url: the member of that name beside the items, as it was sent; None without one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, body: IO[bytes], longest: int, check: CheckSize) -> None:
         self.callback_url: object = None
-        self._text = bytearray()
-        self._at = 0  # up to where the text was looked at
-        self._is_in_string = False
-        self._depth = 0
-        self._state = "before"
-        self._is_object = False
-        self._count = 0
+        self._values = _Values(body, longest, check)
 
-    @property
-    def held(self) -> int:
-        """The bytes that are kept until their item is complete."""
-        return len(self._text)
-
-    def feed(self, piece: bytes) -> Iterator[bytes]:
-        """Yields the elements that are complete with the next piece of the body.
+    def __iter__(self) -> Iterator[bytes]:
+        """Yields the elements.
 
         Raises:
-            ProblemError: this is no such object.
+            ProblemError: this is no such object or array.
         """
-        self._text += piece
-        if self._state == "before":
-            self._begin()
-        if self._state == "inside":
-            yield from self._elements()
-
-    def end(self) -> Iterator[bytes]:
-        """Yields nothing: the last element ends before the array does.
-
-        Raises:
-            ProblemError: the body is incomplete, or continues after the items.
-        """
-        if self._state == "before":
+        mark = self._values.mark()
+        if mark == "[":
+            yield from self._items()
+        elif mark == "{":
+            yield from self._members()
+        else:
             raise _no_items()
-        if self._state == "inside":
-            raise invalid(f"it ends within items[{self._count}]")
-        rest = bytes(self._text).strip(_SPACE)
-        if rest == (b"}" if self._is_object else b""):
-            return iter(())
-        if self._is_object and self.callback_url is None and (match := _END.fullmatch(rest)):
-            self.callback_url = _value(match[1])
-            return iter(())
-        if self._is_object and rest.startswith(b","):
-            detail = 'has members beside "items" and one "callback_url"; leave them out'
-            raise ProblemError.of_input(InputError.of("body", detail))
-        raise invalid("it continues after the items, or ends before their object does")
+        if self._values.mark():
+            raise invalid("it continues after the items")
 
-    def _begin(self) -> None:
-        mark = self._next_mark()
-        while mark not in (b"", b"["):
-            mark = self._next_mark()
-        if self._at > _LONGEST_BEGIN:
-            raise _no_items()
-        if mark:
-            match = _BEGIN.fullmatch(bytes(self._text[: self._at]))
-            if match is None:
-                raise _no_items()
-            self._state, self._is_object = "inside", match[1] is None
-            self.callback_url = None if match[2] is None else _value(match[2])
-            self._drop(self._at)
-
-    def _elements(self) -> Iterator[bytes]:
-        start = 0
-        while mark := self._next_mark():
-            if mark in b"[{":
-                self._depth += 1
-            elif self._depth and mark in b"]}":
-                self._depth -= 1
-            elif not self._depth and mark in b",]":
-                element = bytes(self._text[start : self._at - 1]).strip(_SPACE)
-                start = self._at
-                if element:
-                    self._count += 1
-                    yield element
-                elif mark == b"," or self._count:
-                    raise invalid(f"items[{self._count}] is missing before {mark.decode()!r}")
-                if mark == b"]":
-                    self._state = "after"
-                    break
-            elif not self._depth and mark == b"}":
-                raise invalid(f"items[{self._count}] has an extra closing brace")
-        self._drop(start)
-
-    def _next_mark(self) -> bytes:
-        """Returns the next mark outside strings, and moves past it; empty if none was received yet."""
+    def _members(self) -> Iterator[bytes]:
+        values, has_items = self._values, False
         while True:
-            if self._is_in_string:
-                inside = _IN_STRING.match(self._text, self._at)
-                self._at = self._at if inside is None else inside.end()
-                # at the end of the received bytes, or at a backslash without its next character
-                if self._text[self._at : self._at + 1] != b'"':
-                    return b""
-                self._at += 1
-                self._is_in_string = False
-            match = _MARK.search(self._text, self._at)
-            if match is None:
-                self._at = len(self._text)
-                return b""
-            self._at = match.end()
-            mark = self._text[match.start() : self._at]
-            if mark != b'"':
-                return bytes(mark)
-            self._is_in_string = True
+            name = values.value("its first member" if not has_items else "a member after the items")
+            if values.mark() != ":":
+                raise invalid("a member has no value")
+            if name == b'"items"' and not has_items and values.mark() == "[":
+                yield from self._items()
+                has_items = True
+            elif name == b'"callback_url"' and self.callback_url is None:
+                self.callback_url = _value(values.value("callback_url"))
+            elif not has_items:
+                raise _no_items()
+            else:
+                detail = 'has members beside "items" and one "callback_url"; leave them out'
+                raise ProblemError.of_input(InputError.of("body", detail))
+            mark = values.mark()
+            if mark == "}" and has_items:
+                return
+            if mark != ",":
+                raise invalid("it ends before the object of the items does") if has_items else _no_items()
 
-    def _drop(self, count: int) -> None:
-        del self._text[:count]
-        self._at -= count
+    def _items(self) -> Iterator[bytes]:
+        values, count = self._values, 0
+        if values.next_is("]"):
+            return
+        while True:
+            yield values.value(f"items[{count}]")
+            mark = values.mark()
+            if mark == "]":
+                return
+            if mark != ",":
+                raise invalid(f"it ends within items[{count}], or something follows this item but a comma")
+            count += 1
+
+
+_SPACE = re.compile("[ \\t\\r\\n]*")
+_DECODER = json.JSONDecoder(parse_float=str, parse_int=str, parse_constant=str, strict=False)
+_NEAR_THE_END = 12  # characters: what is left of a literal or an escape that is cut
+
+
+class _Values:
+    """Values and marks of JSON, read one after the other; of the body one item is in memory, and a block."""
+
+    def __init__(self, body: IO[bytes], longest: int, check: CheckSize) -> None:
+        self._file = TextIOWrapper(body, "utf-8", errors="surrogateescape", newline="")
+        self._longest, self._check = longest, check
+        self._text, self._at = "", 0
+        self._line = 1  # where the text begins
+
+    def mark(self) -> str:
+        """Returns the next character but white space, and moves past it; empty at the end."""
+        found = self._look()
+        self._at += len(found)
+        return found
+
+    def next_is(self, mark: str) -> bool:
+        """Whether this is the next character but white space; moves past it."""
+        is_it = self._look() == mark
+        self._at += is_it
+        return is_it
+
+    def value(self, name: str) -> bytes:
+        """Returns the text of the next value, and moves past it.
+
+        Raises:
+            ProblemError: it has no end, or this is no JSON.
+        """
+        self._look()
+        while True:
+            fault = None
+            try:
+                _, end = _DECODER.raw_decode(self._text, self._at)
+            except json.JSONDecodeError as error:
+                fault, end = error, error.pos
+                if error.msg.startswith("Unterminated string"):
+                    end = len(self._text)
+            except RecursionError:
+                raise invalid(f"{name} is nested too deeply") from None
+            # a fault, or the end of a number, may come from the end of what is read
+            if end < len(self._text) - _NEAR_THE_END or not self._read():
+                break
+        if fault is not None:
+            line = self._line + self._text.count("\n", 0, fault.pos)
+            raise invalid(f"{name} is not JSON: {fault.msg} in line {line}")
+        text, self._at = self._text[self._at : end], end
+        return text.encode("utf-8", "surrogateescape")
+
+    def _look(self) -> str:
+        while True:
+            space = _SPACE.match(self._text, self._at)
+            assert space is not None
+            self._at = space.end()
+            if self._at < len(self._text) or not self._read():
+                return self._text[self._at : self._at + 1]
+
+    def _read(self) -> bool:
+        """Read on: as much again as is left; returns False at the end of the body.
+
+        The work for a value is that of some four times its length, since what is read doubles.
+        """
+        left = len(self._text) - self._at
+        if left > self._longest:
+            self._check(left)
+        more = self._file.read(max(_BLOCK, left))
+        if more:
+            self._line += self._text.count("\n", 0, self._at)
+            self._text, self._at = self._text[self._at :] + more, 0
+        return bool(more)
 
 
 def _value(text: bytes) -> object:

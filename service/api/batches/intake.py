@@ -1,4 +1,4 @@
-"""The acceptance of a batch: its items are read and kept while they are received, with bounded memory."""
+"""The acceptance of a batch: its body is spooled to a file, then read and kept item by item."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import re
 from collections.abc import AsyncGenerator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from tempfile import SpooledTemporaryFile
+from typing import IO
 
 import anyio
 from fastapi import Request
@@ -15,7 +17,7 @@ from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError, clipped, shown
 from service.api.answer import allowed_url, call_back, media_type_of, too_large
-from service.api.batches.bodies import Cutter, Elements, Lines, Sent
+from service.api.batches.bodies import Elements, Sent, lines
 from service.api.batches.rows import Rows, read_item
 from service.api.caller import Admission, Caller, caller_of, client_of
 from service.api.context import Context
@@ -34,7 +36,8 @@ from worker.lua import Scripts
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
 MEDIA_TYPES = (JSON, *NDJSON_TYPES, CSV)
 
-_READ_AT_ONCE = 64 << 10  # bytes of a body, or what is left of it, that a thread is given to read
+_IN_MEMORY = 1 << 20  # bytes of a body; a longer one goes to the disk
+_READ_AT_ONCE = 64 << 10  # bytes of a body, or what is left of it, that a thread is given to write
 _AT_ONCE = 500  # items that are pushed together
 _KEPT_AT_ONCE = 1 << 20  # or bytes
 
@@ -155,14 +158,14 @@ def _lost_items_reported() -> Iterator[None]:
         raise ProblemError(ProblemType.UNAVAILABLE, detail, retry_s=1) from None
 
 
-async def accept_batch(request: Request, context: Context, callback_url: str | None) -> JobView:
-    """Accept a batch, or find the one that the same submission made before.
+async def accept_batch(request: Request, context: Context, callback_url: str | None) -> tuple[JobView, bool]:
+    """Accept a batch; returns it, and whether the same submission has made it before.
 
     Raises:
         ProblemError, InputError, QueueFullError: it is refused.
     """
     queue = context.queue
-    cutter = _cutter_of(request)
+    media_type = media_type_of(request, MEDIA_TYPES)
     url = allowed_url(context, callback_url)
     caller = caller_of(request.scope)
     key = key_of(request, caller)
@@ -172,7 +175,7 @@ async def accept_batch(request: Request, context: Context, callback_url: str | N
     if key is not None:
         earlier = await context.redis(idempotency.claim, key, intake.token)
         if earlier is not None:
-            return await _repeated(request, context, idempotency, key, earlier)
+            return await _repeated(request, context, idempotency, key, earlier), True
     begun = False
 
     def begin(digest: str) -> JobView:
@@ -187,10 +190,15 @@ async def accept_batch(request: Request, context: Context, callback_url: str | N
         return view
 
     try:
-        digest = await _receive(request, context, cutter, intake)
-        if isinstance(cutter, Elements):
-            url = allowed_url(context, callback_url, cutter.callback_url)
-        return await context.redis(begin, digest)
+        with SpooledTemporaryFile(_IN_MEMORY) as body:
+            digest = await _receive(request, context, body)
+            sent = await context.parsing(_items_of, media_type, body, intake)
+            await _keep(context, intake, sent)
+        if not intake.count:
+            raise InputError.of("items", "is empty; send at least one item")
+        if isinstance(sent, Elements):
+            url = allowed_url(context, callback_url, sent.callback_url)
+        return await context.redis(begin, digest), False
     finally:
         if not begun:
             with anyio.CancelScope(shield=True), suppress(RedisError):
@@ -199,16 +207,13 @@ async def accept_batch(request: Request, context: Context, callback_url: str | N
                     await context.redis(idempotency.release, key, intake.token)
 
 
-async def _receive(request: Request, context: Context, cutter: Cutter, intake: Intake) -> str:
-    """Read and keep all items; returns the digest of the body."""
+async def _receive(request: Request, context: Context, body: IO[bytes]) -> str:
+    """Write the body to a file; returns its digest."""
     digest = hashlib.sha256()
     async for piece in _pieces(request, context.settings.limits):
         digest.update(piece)
-        await _keep(context, intake, cutter.feed(piece))
-        intake.check_size(cutter.held)
-    await _keep(context, intake, cutter.end())
-    if not intake.count:
-        raise InputError.of("items", "is empty; send at least one item")
+        await context.parsing(body.write, piece)
+    body.seek(0)
     return digest.hexdigest()
 
 
@@ -262,11 +267,11 @@ async def _pieces(request: Request, limits: Limits) -> AsyncGenerator[bytes]:
         yield bytes(held)
 
 
-def _cutter_of(request: Request) -> Cutter:
-    media_type = media_type_of(request, MEDIA_TYPES)
+def _items_of(media_type: str, body: IO[bytes], intake: Intake) -> Iterable[Sent]:
+    of = body, intake.limits.max_body_bytes, intake.check_size
     if media_type == CSV:
-        return Rows()
-    return Lines() if media_type in NDJSON_TYPES else Elements()
+        return Rows(*of)
+    return (line for _, line in lines(*of)) if media_type in NDJSON_TYPES else Elements(*of)
 
 
 _KEPT = 86400  # seconds

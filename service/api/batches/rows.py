@@ -7,7 +7,7 @@ import difflib
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, get_origin
+from typing import IO, Any, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -15,7 +15,7 @@ from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.notebook import read_cell
 from service.api.answer import json_of
-from service.api.batches.bodies import Lines, Sent, invalid
+from service.api.batches.bodies import CheckSize, Sent, invalid, lines
 from service.api.problems import ProblemError
 from service.schemas import by_kind
 from service.schemas.columns import COLUMNS as GEOMETRY
@@ -51,35 +51,32 @@ _SEPARATOR_LINE = re.compile(r'"?sep=(.?)"?', re.IGNORECASE)
 
 
 class Rows:
-    """The rows of a table; the first line names the columns."""
+    """The rows of a table; the first line names the columns.
 
-    def __init__(self) -> None:
-        self._lines = Lines()
+    Args:
+        body: the file.
+        longest: the bytes of a line at most.
+        check: called with the size of a line that has more.
+    """
+
+    def __init__(self, body: IO[bytes], longest: int, check: CheckSize) -> None:
+        self._beginning = body.read(_BEGINNING)
+        body.seek(0)
+        self._lines = lines(body, longest, check)
         self._columns: Sequence[str] = ()
         self._separator = ""
-        self._beginning = b""
         self._is_begun = False
 
-    @property
-    def held(self) -> int:
-        """The bytes that are kept until their row is complete."""
-        return self._lines.held
-
-    def feed(self, piece: bytes) -> Iterator[Mapping[str, str]]:
-        """Yields the cells, by columns, of the rows that are complete with the next piece of the body.
+    def __iter__(self) -> Iterator[Mapping[str, str]]:
+        """Yields the cells of the rows by columns.
 
         Raises:
             InputError: the columns are not known.
             ProblemError: this is no CSV in UTF-8.
         """
-        self._beginning = self._beginning or piece[:_BEGINNING]
-        return (row for line in self._lines.feed(piece) for row in self._cells(line))
+        return (row for number, line in self._lines for row in self._cells(number, line))
 
-    def end(self) -> Iterator[Mapping[str, str]]:
-        """Yields the cells of the last row, if it does not end in a newline."""
-        return (row for line in self._lines.end() for row in self._cells(line))
-
-    def _cells(self, sent: bytes) -> Iterator[Mapping[str, str]]:
+    def _cells(self, number: int, sent: bytes) -> Iterator[Mapping[str, str]]:
         line = self._decoded(sent)
         if not line.strip():
             return
@@ -89,7 +86,7 @@ class Rows:
             return
         if not self._separator:
             self._separator = max(_SEPARATORS, key=line.count)
-        place = f"line {self._lines.number}"
+        place = f"line {number}"
         try:
             [cells] = csv.reader([line], strict=True, delimiter=self._separator)
         except csv.Error as error:
@@ -229,8 +226,8 @@ def read_item(sent: Sent, index: int, limits: Limits) -> Item:
 
 def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     sent = dict(item.request)
-    if sent.pop("deadline_s", None) is not None:
-        raise InputError.of("request.deadline_s", "is not allowed in items; omit it")
+    if sent.pop("deadline_seconds", None) is not None:
+        raise InputError.of("request.deadline_seconds", "is not allowed in items; omit it")
     if sent.pop("callback_url", None) is not None:
         raise InputError.of("request.callback_url", "is not allowed in items; give it with the batch")
     implied = kind_named(item.kind).implied

@@ -10,6 +10,7 @@ from service.api.contract.responses import (
     FORM,
     PREFERENCE_APPLIED,
     PROBLEMS,
+    REPLAYED,
     RETRY_AFTER,
     Docs,
     accepted,
@@ -79,6 +80,7 @@ POST_BODY: dict[str, Any] = {
     },
 }
 ACCEPTED = accepted("Batch", "The batch is accepted.", "The batch.", _LINKS)
+ACCEPTED["headers"] |= REPLAYED
 POST_RESPONSES: Docs = {202: shared("responses", "Batch"), **PROBLEMS}
 STATE_RESPONSES: Docs = {200: json_response("The batch.", "Batch", headers=RETRY_AFTER), **PROBLEMS}
 CANCEL_RESPONSES: Docs = {

@@ -43,10 +43,12 @@ LAST_EVENT_ID = parameter(
 )
 _PREFER = parameter(
     "Prefer",
-    "RFC 7240. `wait=N` waits up to N seconds for the answer (see max_wait_seconds in /v1/limits); "
-    "`respond-async` requests a job without waiting.",
+    "RFC 7240. `wait=N` waits up to N seconds for the answer (see max_wait_seconds in /v1/limits), "
+    "`respond-async` not at all; without either it is 0.25 seconds.",
     examples={"wait": "wait=10", "async": "respond-async"},
 )
+NEXT_PAGE = {"Link": _field('The next page, if there is one: `<URL>; rel="next"` (RFC 8288).')}
+REPLAYED = {"Idempotent-Replayed": _field("`true` if an earlier request with this Idempotency-Key made it.")}
 PREFERENCE_APPLIED = {"Preference-Applied": _field("The preferences that were honoured (RFC 7240).")}
 
 WAIT, USUAL_WAIT = "wait", 10
@@ -194,10 +196,9 @@ def request_body(question: type[Question]) -> dict[str, Any]:
 
 
 def any_result() -> dict[str, Any]:
-    """Returns the response with a job's result: a cusp table, or another document, the quickest first."""
+    """Returns the response with a job's result: a cusp table, or another document."""
     first, *others = all_questions()
     response = document_in_all_forms(first, "The document that the job computed.")
-    others.sort(key=lambda question: question.implied_wait is None)
     models = [question.answer.__name__ for question in (first, *others)]
     response["content"][JSON] = {"schema": {"anyOf": [ref(model) for model in models]}}
     return response

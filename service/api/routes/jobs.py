@@ -100,7 +100,6 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
     A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """
     choice = choice_of(request, _forms_of(job_id))
-    negotiate(choice.accept, tuple(choice.forms))
     kept = kept_response(context, request, job_id, choice)
     if kept is not None:
         return kept
@@ -188,10 +187,11 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     first.
     """
     negotiate(request.headers.getlist("accept"), (JSON,))
-    view = await accept_batch(request, context, callback_url or None)
+    view, is_replayed = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
     view = await context.redis(context.queue.with_position, view)
-    return state_response(view, context, is_asked_for=True)
+    headers = {"Idempotent-Replayed": "true"} if is_replayed else {}
+    return state_response(view, context, headers, is_asked_for=True)
 
 
 @batches.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)

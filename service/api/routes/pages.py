@@ -262,7 +262,7 @@ async def readyz(context: ContextDep) -> Response:
 
 
 @status.get(
-    "/version",
+    "/v1/version",
     summary="Versions of the service, the solver and its libraries",
     responses=doc.VERSION_RESPONSES,
 )

@@ -17,7 +17,7 @@ from service.api.batches import item_of
 from service.api.caller import caller_of, client_of, oversees
 from service.api.context import Context, ContextDep
 from service.api.contract import PROBLEMS, Docs, json_response, question_responses, request_body
-from service.api.contract.responses import CONDITIONAL, USUAL_WAIT, WAIT
+from service.api.contract.responses import CONDITIONAL, NEXT_PAGE, USUAL_WAIT, WAIT
 from service.api.forms import json_answer
 from service.api.http import LongAnswer
 from service.api.http.transport import FOLLOWS, IS_HEAD
@@ -159,8 +159,8 @@ class WantedOfList(Model):
     """Which entries of a list are wanted.
 
     Attributes:
-        status: Only those that are `queued`, `running`, `succeeded`, `failed` or `canceled`; `active`: the
-            first two. Without it, all.
+        status: Only those that are `queued`, `running`, `succeeded` (batches: `completed`), `failed` or
+            `canceled`; `active`: the first two. Without it, all.
         before: Only those created before this time, in seconds since 1970; from `next` of a page.
         limit: The maximum number of entries.
     """
@@ -191,11 +191,12 @@ EndQuery = Annotated[Withdrawal, Query()]
 _STATES: Mapping[str | None, frozenset[Status]] = {
     **{status: frozenset({status}) for status in get_args(Status)},
     "active": ACTIVE,
+    "completed": frozenset({"succeeded"}),
     None: frozenset(get_args(Status)),
 }
 
 LIST_RESPONSES: Docs = {
-    200: json_response("A page of the list.", "JobList"),
+    200: json_response("A page of the list.", "JobList", headers=NEXT_PAGE),
     **PROBLEMS,
 }
 
@@ -215,11 +216,9 @@ async def list_response(request: Request, context: Context, what: What, wanted: 
     page, names = await context.redis(read)
     query = {"status": wanted.status, "limit": str(wanted.limit), "before": page.before}
     following = urlencode({name: value for name, value in query.items() if value is not None})
-    body = {
-        "items": [_item(item, names) for item in page.items],
-        "next": None if page.before is None else here(f"/v1/{what}?{following}"),
-    }
-    return json_answer(body)
+    url = None if page.before is None else here(f"/v1/{what}?{following}")
+    body = {"items": [_item(item, names) for item in page.items], "next": url}
+    return json_answer(body, headers=None if url is None else {"Link": f'<{url}>; rel="next"'})
 
 
 def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
@@ -228,11 +227,11 @@ def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
     return {
         "id": view.id,
         "kind": None if kind is None else kind.name,
-        "status": view.status,
+        "status": view.state,
         "created_at": view.created_at,
         "started_at": view.started_at,
-        "estimate_s": view.estimate_s,
-        "runs_s": None if item.runs_s is None else round(item.runs_s, 3),
+        "ended_at": view.ended_at,
+        "estimate_seconds": view.estimate_seconds,
         "key": names.get(item.maker or ""),
     }
 

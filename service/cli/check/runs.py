@@ -145,7 +145,7 @@ class Task:
         demand, deadline = self.demand, None if self.deadline is None else str(self.deadline)
 
         def asked(question: type[Question], **members: object) -> Question:
-            given = {"geometry": manipulator, "deadline_s": deadline, **members}
+            given = {"geometry": manipulator, "deadline_seconds": deadline, **members}
             return read(question, {k: x for k, x in given.items() if x is not None}, source())
 
         within: dict[str, Any] = {"tolerance": self.tolerance}

@@ -99,6 +99,17 @@ def test_what_fails_is_bad_and_the_search_goes_on() -> None:
         searched(plan, lambda asked: [None for _ in asked])
 
 
+def test_a_search_for_margins_ends_when_all_geometries_are_known() -> None:
+    def examine(asked: Sequence[Manipulator]) -> list[dict[str, Any]]:
+        whole = {"from": "0", "to": None, "count": 4}
+        return [{"fixed_leg": 1, "degenerate": [], "intervals": [whole]} for _ in asked]
+
+    plan = Plan.of(INNOCENTI, "largest-margin", AT_MOST_4, vary={"d1": (17, "17.2")}, decimals=1)
+    outcome = searched(plan, examine)
+    assert outcome.stopped == "converged"
+    assert outcome.censuses == 4  # with the given one
+
+
 def test_linear_programmes_lengthen_the_range() -> None:
     space, goal = Space.of(INNOCENTI, "15%"), Goal("longest-range", AT_MOST_4)
     document = known(INNOCENTI)

@@ -81,7 +81,7 @@ def test_joined_poses_are_beside_each_other() -> None:
 def test_the_command_draws_its_answer_and_a_document(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = ["connections", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20"]
+    asked = ["pose-connections", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20"]
     expected = pose_connections(EXAMPLES["innocenti"], 27, 20, 20).figure()
     assert main([*asked, "--format", "svg"]) == 0
     assert capsys.readouterr().out == expected.svg()

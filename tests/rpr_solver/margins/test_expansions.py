@@ -149,17 +149,6 @@ def test_the_least_value_of_a_polynomial_is_bounded_and_often_attained() -> None
     assert (least >= crude - 1e-12).all()
 
 
-def test_many_boxes_are_multiplied_as_few_are() -> None:
-    box, low, high = next(boxes_of_examples(random.Random(3)))
-    many, few = (
-        box.systems(BoxRing(box, Boxes.joined([Boxes(low, high)] * n)), 0).singularity.value for n in (20, 1)
-    )
-    columns = low.shape[1]
-    assert columns < 256 < 20 * columns
-    assert (many.terms[:, -columns:] == few.terms).all()
-    assert (many.rest[-columns:] == few.rest).all()
-
-
 def test_slopes_at_the_middle_are_derivatives() -> None:
     box = problem("innocenti", 1, "17", "0.3")
     ring = BoxRing(box, box.grid(32)[5:6])

@@ -21,9 +21,9 @@ from rpr_solver import (
     PathPose,
     Resolution,
     SolverError,
+    aspects,
     joint_path,
     pose_path,
-    range_aspects,
 )
 from rpr_solver.model.lengths import ExactLimits
 from rpr_solver.paths import between_poses
@@ -75,7 +75,7 @@ def test_similar_triangles_keep_their_aspects(
     none = joint_path(Manipulator(*sides), *lengths, *poses, fixed_leg=leg, limits=limits)
     assert isinstance(none, NoPath)
     assert (none.obstacle, none.connecting) == (Obstacle.OTHER_ASPECT, None)
-    assert len(range_aspects(none.manipulator, fixed_leg=leg)) == 4
+    assert len(aspects(none.manipulator, fixed_leg=leg)) == 4
 
 
 @pytest.mark.long

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, RangeAspect, SolverError, range_aspects
+from rpr_solver import EXAMPLES, InputError, Manipulator, RangeAspect, SolverError, aspects
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import Overlap, RangeTopology, aspect_cells, number_of_aspects
@@ -94,7 +94,7 @@ LONG = pytest.mark.long
 
 
 def counts(manipulator: Manipulator, *span: object, leg: int = 1) -> Found:
-    found = range_aspects(manipulator, *span, fixed_leg=leg)  # type: ignore[arg-type]
+    found = aspects(manipulator, *span, fixed_leg=leg)  # type: ignore[arg-type]
     return sorted((x.sign, x.at_start, x.at_stop) for x in found)
 
 
@@ -115,7 +115,7 @@ def counts(manipulator: Manipulator, *span: object, leg: int = 1) -> Found:
 def test_aspects_of_ranges(
     name: str, leg: int, start: str | None, stop: str | None, expected: list[tuple[int, int, int]]
 ) -> None:
-    found = range_aspects(manipulator(name), start, stop, fixed_leg=leg)
+    found = aspects(manipulator(name), start, stop, fixed_leg=leg)
     assert list(found) == [RangeAspect(*x) for x in expected]
 
 
@@ -220,14 +220,14 @@ def test_an_overlap_is_a_place_where_j_has_one_sign_at_both_ends() -> None:
 
 def test_a_limit_with_whole_lines_both_ways_is_refused_by_name() -> None:
     with pytest.raises(SolverError, match="ends of the range cannot be compared"):
-        range_aspects(family("both flat"))
+        aspects(family("both flat"))
 
 
 def test_the_range_must_ascend() -> None:
     with pytest.raises(InputError, match="stop: is 3; it must exceed 3"):
-        range_aspects(EXAMPLES["innocenti"], 3, "3.0", fixed_leg=2)
+        aspects(EXAMPLES["innocenti"], 3, "3.0", fixed_leg=2)
     with pytest.raises(InputError, match="start: is -1; a length is at least 0"):
-        range_aspects(EXAMPLES["innocenti"], -1, 3)
+        aspects(EXAMPLES["innocenti"], -1, 3)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -148,7 +148,7 @@ def test_a_key_that_reads_starts_nothing(
         begun |= {f"{method} {path}" for method in ("GET", "POST") if ask(submit, method, path) == 202}
         for name in jobs():
             store.redis.delete(name)
-    assert {"GET /v1/plot.svg", "GET /v1/cusp-tables", "GET /v1/censuses", "POST /v1/batches"} <= begun
+    assert {"GET /v1/plots", "GET /v1/cusp-tables", "GET /v1/censuses", "POST /v1/batches"} <= begun
 
 
 def test_a_route_without_a_scope_is_not_served() -> None:

@@ -62,7 +62,7 @@ def test_without_waiting_an_address_gives_the_job(idle: httpx.Client) -> None:
         ({"l1": 1, "wait": "long"}, "wait"),
         ({"l1": 1, "format": "xls"}, "format"),
         ({"l1": 1, "numbers": "float"}, "numbers"),
-        ({"l1": 1, "d1": 0}, "geometry.d1"),
+        ({"l1": 1, "d1": 0}, "geometry.d3"),
         ({}, "l1"),
         ({"l1": 1, "l1_from": 1, "l1_to": 2, "l1_step": 1}, "l1_from"),
     ],
@@ -94,7 +94,7 @@ SVG = "image/svg+xml"
 
 
 def picture(**parameters: Any) -> str:
-    return f"/v1/plot.svg?{urlencode({**GEOMETRY, **parameters})}"
+    return f"/v1/plots?{urlencode({**GEOMETRY, **parameters})}"
 
 
 def test_a_picture_has_an_address_that_a_page_can_show(api: httpx.Client) -> None:

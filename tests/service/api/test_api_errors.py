@@ -236,7 +236,7 @@ def test_without_redis(without_redis: httpx.Client, method: str, path: str) -> N
 
 
 @pytest.mark.parametrize(
-    "path", ["/healthz", "/v1/limits", "/version", "/docs", "/", "/openapi.json", "/metrics"]
+    "path", ["/healthz", "/v1/limits", "/v1/version", "/docs", "/", "/openapi.json", "/metrics"]
 )
 def test_routes_that_need_no_redis_work_without_it(without_redis: httpx.Client, path: str) -> None:
     answer = without_redis.get(path)

@@ -106,7 +106,7 @@ def test_all_forms_are_one_question(
     client: httpx.Client, body: object, headers: dict[str, str] | None
 ) -> None:
     batch = submitted(client, body, headers)
-    assert batch["total"] == 2
+    assert batch["progress"]["total"] == 2
     first, second = results(client, batch)
     assert (first["index"], first["id"], first["status"]) == (0, None, "succeeded")
     assert (second["index"], second["status"]) == (1, "succeeded")
@@ -141,12 +141,12 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
         17,
         {**poses(15), "colour": "red"},
         table(27, id=4),
-        {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "deadline_s": 4}},
+        {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "deadline_seconds": 4}},
         {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "digits": 10**6}},
     ]
     body = lines(*items) + '{"kind": "poses", "kind": "poses"}\n{"id": \n' + lines(poses(15, id="\ud800"))
     batch = submitted(client, body, NDJSON)
-    assert (batch["total"], batch["failed"]) == (11, 9)
+    assert (batch["progress"]["total"], batch["failed"]) == (11, 9)
     got = results(client, batch)
     assert [line["index"] for line in got] == list(range(11))
     assert [line["status"] for line in got] == ["succeeded", *["failed"] * 9, "succeeded"]
@@ -158,7 +158,7 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
         "items[3]",
         "items[4].colour",
         "items[5].id",
-        "items[6].request.deadline_s",
+        "items[6].request.deadline_seconds",
         "items[7].request.digits",
         "items[8].kind",
         "items[9]",
@@ -166,8 +166,9 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
     types = [line["problem"]["type"].rpartition("/")[2] for line in got[1:10]]
     assert types == [*["invalid-request"] * 6, "limit-exceeded", "invalid-json", "invalid-json"]
     state = client.get(batch["links"]["self"]).json()
-    assert (state["status"], state["done"], state["succeeded"], state["failed"]) == ("succeeded", 11, 2, 9)
-    assert state["created_at"] <= state["started_at"] <= state["finished_at"] < state["expires_at"]
+    assert (state["status"], state["done"], state["progress"]["done"]) == ("completed", True, 11)
+    assert (state["succeeded"], state["failed"]) == (2, 9)
+    assert state["created_at"] <= state["started_at"] <= state["ended_at"] < state["expires_at"]
 
 
 def test_an_id_is_given_once(client: httpx.Client) -> None:
@@ -274,7 +275,7 @@ class Worker:
 
     def __init__(self, redis: Redis, batch: dict[str, Any]) -> None:
         self.queue = JobQueue(redis)
-        self.id, self.last = batch["id"], batch["total"] - 1
+        self.id, self.last = batch["id"], batch["progress"]["total"] - 1
 
     def answer(self, position: int) -> None:
         """Answers one item."""
@@ -292,7 +293,7 @@ class Worker:
 
 def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, idle_redis: Redis) -> None:
     batch = submitted(idle, [poses(x) for x in (15, 16, 17)])
-    assert (batch["status"], batch["done"], batch["expires_at"]) == ("queued", 0, None)
+    assert (batch["status"], batch["progress"]["done"], batch["expires_at"]) == ("queued", 0, None)
     assert results(idle, batch, "") == []
     worker = Worker(idle_redis, batch)
     worker.answer(1)
@@ -370,7 +371,7 @@ def test_events(client: httpx.Client) -> None:
     assert [name for name, _ in named] == ["status", "status", "item", "item", "status"]
     assert named[2][1] == {"index": 0, "status": "succeeded", "progress": {"done": 2, "total": 3}}
     assert named[-1][1]["links"] == batch["links"]
-    assert (named[-1][1]["status"], named[-1][1]["failed"]) == ("succeeded", 1)
+    assert (named[-1][1]["status"], named[-1][1]["failed"]) == ("completed", 1)
     last = {"Last-Event-ID": events[-1]["id"]}
     assert client.get(batch["links"]["events"], headers=last).status_code == 204
 
@@ -400,7 +401,7 @@ def test_a_submission_that_is_still_received(idle: httpx.Client, idle_redis: Red
         yield lines(poses(16)).encode()
 
     answer = idle.post("/v1/batches", content=body(), headers=key)
-    assert (answer.status_code, answer.json()["total"]) == (202, 2)
+    assert (answer.status_code, answer.json()["progress"]["total"]) == (202, 2)
 
 
 def test_a_repeated_submission_can_be_withdrawn(idle: httpx.Client) -> None:
@@ -430,7 +431,7 @@ def test_another_process_serves_the_batch(valkey: EmbeddedValkey, idle_redis: Re
         batch = submitted(client, lines(poses(15)), key)
     Worker(idle_redis, batch).answer(0)
     with serving(settings) as base, httpx.Client(base_url=base) as client:
-        assert submitted(client, lines(poses(15)), key)["status"] == "succeeded"
+        assert submitted(client, lines(poses(15)), key)["status"] == "completed"
         assert [line["status"] for line in results(client, batch)] == ["succeeded"]
 
 
@@ -450,7 +451,7 @@ def test_a_full_queue(valkey: EmbeddedValkey, idle_redis: Redis, monkeypatch: py
 def test_a_refused_submission_leaves_its_key(idle: httpx.Client) -> None:
     key = {**NDJSON, "Idempotency-Key": "again"}
     problem(idle.post("/v1/batches", content=lines(*[poses(15)] * 6), headers=key), 422, "limit-exceeded")
-    assert submitted(idle, lines(poses(15)), key)["total"] == 1
+    assert submitted(idle, lines(poses(15)), key)["progress"]["total"] == 1
 
 
 MANY = lines(*(poses(20 + i % 30) for i in range(700)))
@@ -474,7 +475,7 @@ def test_nobody_sees_a_batch_until_it_is_whole(client: httpx.Client, redis: Redi
 def test_a_batch_of_many_items_comes_in_order(client: httpx.Client) -> None:
     sent = MANY + lines(poses(15), {"kind": "poses"})
     batch = client.post("/v1/batches", content=sent, headers=NDJSON).json()
-    assert (batch["total"], batch["failed"]) == (702, 1)
+    assert (batch["progress"]["total"], batch["failed"]) == (702, 1)
     found = results(client, batch)
     assert [line["index"] for line in found] == list(range(702))
     assert [line["index"] for line in found if line["status"] != "succeeded"] == [701]

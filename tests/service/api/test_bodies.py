@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.tables import csv_text
 from service.api.batches import bodies
-from service.api.batches.bodies import Cutter, Elements, Lines
+from service.api.batches.bodies import Elements, lines
 from service.api.batches.rows import COLUMNS, Rows, item_of, read_item
 from service.api.problems import ProblemError
 from service.schemas.limits import Limits
@@ -31,54 +32,29 @@ def body(**asked: Any) -> bytes:
 TEXTS = st.text(st.sampled_from('a"\\[]{},:\n é'), max_size=12)
 VALUES = st.recursive(TEXTS | st.booleans(), lambda inner: st.lists(inner, max_size=3), max_leaves=5)
 ITEMS = st.lists(st.dictionaries(TEXTS, VALUES, max_size=3), min_size=1, max_size=4)
-CUTS = st.lists(st.integers(1, 9), min_size=1, max_size=6)
 URL = "http://[::1]/a,b"
 
 
-class Counted:
-    """A pattern that counts the bytes that it has looked at."""
-
-    def __init__(self, pattern: re.Pattern[bytes]) -> None:
-        self._pattern = pattern
-        self.bytes = self.calls = 0
-
-    def search(self, text: bytes, at: int) -> re.Match[bytes] | None:
-        return self._noted(self._pattern.search(text, at), len(text), at)
-
-    def match(self, text: bytes, at: int) -> re.Match[bytes] | None:
-        return self._noted(self._pattern.match(text, at), len(text), at)
-
-    def _noted(self, found: re.Match[bytes] | None, size: int, at: int) -> re.Match[bytes] | None:
-        self.calls += 1
-        self.bytes += (size if found is None else found.end()) - at
-        return found
+def unlimited(_size: int) -> None:
+    """Takes items of any size."""
 
 
-@pytest.fixture
-def looked(monkeypatch: pytest.MonkeyPatch) -> list[Counted]:
-    counted = [Counted(bodies._MARK), Counted(bodies._IN_STRING)]
-    monkeypatch.setattr(bodies, "_MARK", counted[0])
-    monkeypatch.setattr(bodies, "_IN_STRING", counted[1])
-    return counted
+def elements(body: bytes) -> Elements:
+    return Elements(io.BytesIO(body), 1 << 20, unlimited)
 
 
-def pieces(body: bytes, cuts: Iterable[int]) -> Iterator[bytes]:
-    """The body in pieces of these sizes, again and again."""
-    sizes, at = list(cuts), 0
-    while at < len(body):
-        for size in sizes:
-            yield body[at : at + size]
-            at += size
+def rows(body: bytes) -> list[Mapping[str, str]]:
+    return list(Rows(io.BytesIO(body), 1 << 20, unlimited))
 
 
-def taken(cutter: Cutter, parts: Iterable[bytes]) -> list[Any]:
-    found = [item for piece in parts for item in cutter.feed(piece)]
-    return [*found, *cutter.end()]
-
-
-@given(ITEMS, CUTS, st.sampled_from(["array", "object", "callback before", "callback after"]), st.booleans())
-def test_elements_do_not_depend_on_the_cuts(
-    items: list[Any], cuts: list[int], form: str, is_ascii: bool
+@given(
+    ITEMS,
+    st.integers(1, 9),
+    st.sampled_from(["array", "object", "callback before", "callback after"]),
+    st.booleans(),
+)
+def test_elements_do_not_depend_on_the_blocks(
+    items: list[Any], block: int, form: str, is_ascii: bool
 ) -> None:
     members: dict[str, Any] = {"items": items}
     if form == "callback before":
@@ -86,20 +62,18 @@ def test_elements_do_not_depend_on_the_cuts(
     elif form == "callback after":
         members["callback_url"] = URL
     body = json.dumps(items if form == "array" else members, ensure_ascii=is_ascii).encode()
-    cutter = Elements()
-    assert [json.loads(text) for text in taken(cutter, pieces(body, cuts))] == items
-    assert cutter.callback_url == (URL if form.startswith("callback") else None)
+    found = elements(body)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bodies, "_BLOCK", block)
+        assert [json.loads(text) for text in found] == items
+    assert found.callback_url == (URL if form.startswith("callback") else None)
 
 
-@given(ITEMS, CUTS)
-def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[int]) -> None:
-    body = "\n".join(map(json.dumps, items)).encode()
-    assert [json.loads(text) for text in taken(Lines(), pieces(body, cuts))] == items
-    rows = b"\xef\xbb\xbfid,a2x,a3x,a3y,d1,d2,d3\r\n" + "".join(
-        f"é{k},1,2,3,4,5,{len(item)}\r\n" for k, item in enumerate(items)
-    ).encode("utf-8")
-    found: list[Mapping[str, str]] = taken(Rows(), pieces(rows, cuts))
-    assert [row["id"] for row in found] == [f"é{k}" for k in range(len(items))]
+def test_lines_have_their_numbers_and_rows_their_cells() -> None:
+    body = b'{"a": 1}\n\n  \r\n{"b": 2}'
+    assert list(lines(io.BytesIO(body), 100, unlimited)) == [(1, b'{"a": 1}'), (4, b'{"b": 2}')]
+    sent = b"\xef\xbb\xbfid,a2x,a3x,a3y,d1,d2,d3\r\n" + "é0,1,2,3,4,5,6\r\né1,1,2,3,4,5,6".encode()
+    assert [row["id"] for row in rows(sent)] == ["é0", "é1"]
 
 
 GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
@@ -108,9 +82,8 @@ GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54
 HEAD = "id;a2x;a3x;a3y;d1;d2;d3;l1"
 
 
-def rows_of(*lines: str) -> list[Mapping[str, str]]:
-    """The rows of a table; the answer does not depend on how the body is cut."""
-    return taken(Rows(), pieces("\n".join(lines).encode(), [7]))
+def rows_of(*texts: str) -> list[Mapping[str, str]]:
+    return rows("\n".join(texts).encode())
 
 
 def test_the_decimal_mark_is_the_point() -> None:
@@ -192,7 +165,7 @@ def test_the_page_names_every_kind_and_every_column() -> None:
     ids=["capitals", "semicolons", "tabs"],
 )
 def test_tables_as_spreadsheets_write_them(table: str) -> None:
-    [item] = map(item_of, taken(Rows(), [table.encode()]))
+    [item] = map(item_of, rows(table.encode()))
     assert item == {
         "id": "a",
         "kind": "cusp-table",
@@ -202,7 +175,7 @@ def test_tables_as_spreadsheets_write_them(table: str) -> None:
 
 def test_a_name_with_a_comma_stays_as_it_is() -> None:
     head, row = "id;a2x;a3x;a3y;d1;d2;d3;cusp", "a,b;1;2;3;4.5;5;6;B"
-    [item] = map(item_of, taken(Rows(), [f"{head}\n{row}\n".encode()]))
+    [item] = map(item_of, rows(f"{head}\n{row}\n".encode()))
     assert (item["id"], item["request"]["cusp"], item["request"]["geometry"]["d1"]) == ("a,b", "B", "4.5")
 
 
@@ -221,36 +194,36 @@ def test_a_name_with_a_comma_stays_as_it_is() -> None:
 )
 def test_what_is_wrong_with_a_table_is_one_sentence(head: str, row: str, said: str) -> None:
     with pytest.raises((InputError, ProblemError)) as caught:
-        taken(Rows(), [f"{head}\n{row}\n".encode()])
+        rows(f"{head}\n{row}\n".encode())
     assert said in str(caught.value)
     assert str(caught.value).count("column") <= 2
 
 
 @pytest.mark.parametrize(
-    "inner",
-    [b"a", b"\\\\", b"\\u0041", b'\\"', b"[", b"a" * 900 + b"\\n"],
-    ids=["letters", "backslashes", "escapes", "quotes", "brackets", "lines"],
+    ("body", "said"),
+    [
+        (b" " * 40_000, "does not begin"),
+        (b'{"a": [1], "items": []}', "does not begin"),
+        (b'{"items": [1], "items": []}', "members beside"),
+        (b'[{"a": 1},\n{"b" 2}]', "items[1] is not JSON: Expecting ':' delimiter in line 2"),
+        (b'[{"a": "' + b"b" * 200_000, "items[0] is not JSON: Unterminated string"),
+        (b"[" + b"[" * 200_000, "items[0] is nested too deeply"),
+        (b"[1] 2", "continues after the items"),
+    ],
+    ids=["spaces", "another member", "items twice", "a fault", "no end", "brackets", "more"],
 )
-@pytest.mark.parametrize("size", [1, 2, 7, 1 << 16])
-@pytest.mark.parametrize("is_closed", [True, False])
-def test_each_byte_is_looked_at_once(looked: list[Counted], inner: bytes, size: int, is_closed: bool) -> None:
-    """A string of many bytes comes in small pieces. The work is that of its bytes, not of their square."""
-    text = inner * (30_000 // len(inner) // 2 * 2)
-    body = b'{"callback_url": "http://a/", "items": [{"id": "' + text + (b'"}]}' if is_closed else b"")
-    cutter = Elements()
-    found = [item for piece in pieces(body, [size]) for item in cutter.feed(piece)]
-    assert len(found) == is_closed
-    assert sum(pattern.bytes for pattern in looked) <= 2 * len(body)
-    assert sum(pattern.calls for pattern in looked) <= 3 * len(body) // min(size, 10) + 100
+def test_a_body_that_is_no_list_of_items(body: bytes, said: str) -> None:
+    with pytest.raises(ProblemError) as caught:
+        list(elements(body))
+    assert said in str(caught.value)
 
 
-@pytest.mark.parametrize("size", [1, 5, 4000])
-@pytest.mark.parametrize(
-    "body",
-    [b" " * 40_000, b'{"callback_url": "' + b"[" * 40_000, b'{"a": [1], "items": []}', b'{"a": 1}'],
-    ids=["spaces", "a long callback", "other members", "no items"],
-)
-def test_what_does_not_begin(looked: list[Counted], body: bytes, size: int) -> None:
-    with pytest.raises(ProblemError, match="does not begin"):
-        taken(Elements(), pieces(body, [size]))
-    assert sum(pattern.bytes for pattern in looked) <= 2 * len(body)
+@pytest.mark.parametrize("body", [b'["' + b"a" * 300_000 + b'"]', b"[" + b"1," * 10 + b'"' + b"a" * 300_000])
+def test_an_item_that_is_too_long_is_not_read_to_its_end(body: bytes) -> None:
+    def refused(size: int) -> None:
+        raise InputError.of("items", f"has {size} bytes")
+
+    file = io.BytesIO(body + b" " * 1_000_000)
+    with pytest.raises(InputError, match="has"):
+        list(Elements(file, 100_000, refused))
+    assert file.tell() < 600_000

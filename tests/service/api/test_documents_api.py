@@ -18,7 +18,7 @@ from rpr_solver import EXAMPLES, cusp_curves, leg_poses, poses
 from rpr_solver.figures.views import figure_of
 from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTable
-from tests.support.service_server import GEOMETRY, accepted, ended
+from tests.support.service_server import GEOMETRY, NO_WAIT, accepted, ended
 from tests.support.shared import census_of
 from worker.jobs.queue import JobQueue
 
@@ -36,13 +36,13 @@ def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert answer.status_code == 200
     assert "preference-applied" not in answer.headers
     assert answer.json() == poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
-    assert is_whole("PosesAnswer", answer.json())
+    assert is_whole("Poses", answer.json())
     along = {"geometry": GEOMETRY, "l1": 17, "l2": {"from": 10, "to": 20}, "l3": "15", "digits": 20}
     answer = api.post("/v1/poses", json=along)
     assert (
         answer.json() == leg_poses(EXAMPLES["innocenti"], {"l1": 17, "l3": 15}, 10, 20, digits=20).to_json()
     )
-    assert is_whole("PosesAnswer", answer.json())
+    assert is_whole("Poses", answer.json())
     lines = api.post("/v1/poses", json=along, headers={"Accept": "text/csv"}).text.splitlines()
     assert len(lines) == 1 + len(answer.json()["intervals"])
     refused = api.post("/v1/poses", json={**along, "l3": {"from": 1, "to": 2}})
@@ -61,7 +61,7 @@ def test_a_rounded_special_machine_is_told_the_exact_one_which_is_answered_by_it
 ) -> None:
     legs = {"l1": 5, "l2": 6, "l3": 7, "digits": 15}
     table = api.post("/v1/poses", json={"geometry": ROUNDED, **legs}).json()
-    assert is_whole("PosesAnswer", table)
+    assert is_whole("Poses", table)
     assert (table["near"][0]["shape"], table["near"][0]["effect"]) == ("similar", "contradicts")
     exact = table["near"][0]["spelling"]
     assert exact == {"base": {"equilateral": "10"}, "platform": {"equilateral": "sqrt(3)"}}
@@ -298,7 +298,7 @@ def test_a_document_is_canceled_like_a_table(idle: httpx.Client) -> None:
 
 def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> None:
     body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 30}
-    answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}})
+    answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}}, headers=NO_WAIT)
     assert answer.status_code == 202
     job = answer.json()
     assert job["kind"] == "census"
@@ -365,7 +365,9 @@ def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) ->
     body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 20, "fixed_leg": 2}
     lengths = {"from": 10, "to": "12", "step": 1}
     answer = api.post(
-        "/v1/cusp-curves", json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2}
+        "/v1/cusp-curves",
+        json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2},
+        headers=NO_WAIT,
     )
     assert answer.status_code == 202
     job = answer.json()

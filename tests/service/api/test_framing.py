@@ -24,7 +24,7 @@ from tests.support.service_server import serving
 pytestmark = pytest.mark.quick
 
 HOST = b"Host: localhost\r\n"
-NEXT = b"GET /version HTTP/1.1\r\n" + HOST + b"X-Request-ID: smuggled\r\n\r\n"
+NEXT = b"GET /v1/version HTTP/1.1\r\n" + HOST + b"X-Request-ID: smuggled\r\n\r\n"
 BODY = b'{"x":1}'
 
 

@@ -133,7 +133,7 @@ def test_a_generated_client_follows_a_job(generated: str, base_url: str) -> None
         get = of("api.jobs.get_job")
         done: Any = until(lambda: state if (state := get.sync(job.id, client=client)).done else None)
         assert (done.status, done.progress.done) == ("succeeded", done.progress.total)
-        event = {"type": "job.succeeded", "timestamp": done.finished_at, "data": done.to_dict()}
+        event = {"type": "job.succeeded", "timestamp": done.ended_at, "data": done.to_dict()}
         assert models.JobEvent.from_dict(event).data == done, "what a webhook brings"
         census = of("api.questions.post_census").sync(client=client, body=asked)
         assert isinstance(census, models.Census)

@@ -52,7 +52,7 @@ def marked() -> Iterator[Asked]:
     """All questions, each with a mark in the place of one member, which stands for a long number."""
     for question in all_questions():
         head = {"geometry": EXAMPLE_GEOMETRY} if question.names_geometry else {}
-        bodies = [{**head, **body, "deadline_s": 5} for _, body in question.examples.values()]
+        bodies = [{**head, **body, "deadline_seconds": 5} for _, body in question.examples.values()]
         bodies += [{"document": EXAMPLE_TABLE}] if question is VerificationRequest else []
         seen = set()
         for body in bodies:
@@ -106,7 +106,7 @@ def test_a_long_number_in_any_member_is_cheap(share: slice) -> None:
         taken = seconds(question_in, question, text_of(body, NUMBERS[name]), Limits())
         assert taken < MOST, (question.__name__, name, body)
     for question, body, name in cases[share][::3]:
-        item = {"kind": question.kinds[0].name, "request": {**body, "deadline_s": None}}
+        item = {"kind": question.kinds[0].name, "request": {**body, "deadline_seconds": None}}
         for cutter, form in ((Elements(), {"items": [item, item]}), (Lines(), item)):
             taken = seconds(items_of, cutter, text_of(form, NUMBERS[name]))
             assert taken < 2 * MOST, (question.__name__, name, body)

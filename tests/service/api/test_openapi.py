@@ -232,7 +232,7 @@ def check_results(api: httpx.Client, batch: dict[str, Any]) -> None:
 def all_of(api: httpx.Client, batch: dict[str, Any]) -> list[Any] | None:
     """The results of a batch once they are there."""
     lines = [json.loads(line) for line in api.get(batch["links"]["results"], headers=WAIT).text.splitlines()]
-    return lines if len(lines) == batch["total"] else None
+    return lines if len(lines) == batch["progress"]["total"] else None
 
 
 def test_no_example_of_a_body_is_left_out() -> None:

@@ -37,7 +37,7 @@ from service.webhooks.target import WebhookSettings, is_allowed, target_of
 from tests.support.pages import NOT_RUN
 from tests.support.processes import PATIENCE, started, until
 from tests.support.receivers import Receiver, receiving, silent
-from tests.support.service_server import GEOMETRY, serving
+from tests.support.service_server import GEOMETRY, NO_WAIT, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
 from worker.settings import WorkerSettings, written
@@ -96,7 +96,7 @@ def question(url: object, number: int | None = None) -> dict[str, Any]:
 
 def canceled(client: httpx.Client, url: str) -> str:
     """Returns a job that has ended, with a callback."""
-    answer = client.post("/v1/cusp-tables", json=question(url))
+    answer = client.post("/v1/cusp-tables", json=question(url), headers=NO_WAIT)
     assert answer.status_code == 202, answer.text
     assert client.delete(answer.json()["links"]["self"]).json()["status"] == "canceled"
     job_id: str = answer.json()["id"]
@@ -136,7 +136,7 @@ def test_a_job_and_a_batch_that_succeed(
         delivering(redis, settings.webhooks),
     ):
         asked = question(receiver.url)
-        job = client.post("/v1/cusp-tables", json=asked).json()
+        job = client.post("/v1/cusp-tables", json=asked, headers=NO_WAIT).json()
         assert "callback_url" not in job
         assert over(client, job["id"])["state"] == "delivered"
         known = client.post("/v1/cusp-tables", json=asked)
@@ -146,11 +146,11 @@ def test_a_job_and_a_batch_that_succeed(
         assert over(client, batch["id"])["state"] == "delivered"
         events = verified(receiver, SECRETS[0])
         assert verified(receiver, SECRETS[1]) == events  # either secret is enough while they change
-        assert [event["type"] for event in events] == ["job.succeeded", "batch.succeeded"]
+        assert [event["type"] for event in events] == ["job.succeeded", "batch.completed"]
         now = [client.get(f"/v1/jobs/{job['id']}").json(), client.get(f"/v1/batches/{batch['id']}").json()]
         assert all(state.pop("deliveries") for state in now)
         assert [event["data"] for event in events] == now
-        assert [event["timestamp"] for event in events] == [state["finished_at"] for state in now]
+        assert [event["timestamp"] for event in events] == [state["ended_at"] for state in now]
         assert 'rpr_cusps_webhook_attempts_total{state="delivered"} 2.0' in client.get("/metrics").text
 
 
@@ -280,7 +280,7 @@ def test_by_the_whole_service_with_settings_from_the_environment(
         assert over(http, batch.id)["state"] == "delivered"
         assert [event["type"] for event in verified(receiver, SECRETS[0])] == [
             *["job.succeeded"] * 2,
-            "batch.succeeded",
+            "batch.completed",
         ]
         assert verified(receiver, SECRETS[1])[-1]["data"]["id"] == batch.id
         refused = over(http, client.submit([asked], callback_url=unknown.url).id)

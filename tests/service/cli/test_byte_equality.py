@@ -109,7 +109,7 @@ def of_families() -> Iterator[tuple[str, Vector]]:
                 Vector(
                     cusp_curves(m, fixed_leg=leg, digits=15),
                     lambda m=m, leg=leg: rpr_solver.cusp_curves(m, fixed_leg=leg, digits=15).to_json(),  # type: ignore[misc]
-                    ("curves", *of, *at),
+                    ("cusp-curves", *of, *at),
                 ),
             )
 

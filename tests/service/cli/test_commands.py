@@ -12,6 +12,7 @@ import pytest
 
 from rpr_solver import (
     EXAMPLES,
+    aspects,
     census,
     census_csv,
     curves_csv,
@@ -22,7 +23,6 @@ from rpr_solver import (
     pose_connections,
     pose_path,
     poses,
-    range_aspects,
     restrict_census,
     singular_csv,
     singular_curves,
@@ -52,7 +52,7 @@ def test_poses_as_json_and_as_text(run_here: Run) -> None:
 
 
 def test_singular_curves_in_every_form(run_here: Run) -> None:
-    args = ("singular", "innocenti", "--l1", "27", "--tolerance", "0.01")
+    args = ("singular-curves", "innocenti", "--l1", "27", "--tolerance", "0.01")
     expected = singular_curves(EXAMPLES["innocenti"], 27, tolerance="0.01").to_json()
     assert json.loads(run_here(*args, "--format", "json").stdout) == expected
     assert run_here(*args, "--format", "csv").stdout == singular_csv(expected)
@@ -66,7 +66,7 @@ def test_aspects_of_a_range(run_here: Run) -> None:
     args = ("aspects", "innocenti", "--l1-range", "27:30")
     document = json.loads(run_here(*args, "--format", "json").stdout)
     assert document["range"] == {"from": "27", "to": "30"}
-    assert document["aspects"] == [x.to_json() for x in range_aspects(EXAMPLES["innocenti"], 27, 30)]
+    assert document["aspects"] == [x.to_json() for x in aspects(EXAMPLES["innocenti"], 27, 30)]
     lines = run_here(*args).stdout.splitlines()
     assert lines[2:5] == [
         "L1 from 27 up to 30: 2 aspects",
@@ -117,7 +117,7 @@ MIRRORED = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40, "orien
     ],
 )
 def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], status: int, shown: str) -> None:
-    done = run_here("modes", "-", *options, stdin=json.dumps(MIRRORED))
+    done = run_here("assembly-modes", "-", *options, stdin=json.dumps(MIRRORED))
     assert done.returncode == status
     assert shown in (done.stderr if status == 2 else done.stdout)
 
@@ -139,15 +139,15 @@ def test_poses_along_a_leg(run_here: Run) -> None:
 def test_which_poses_are_joined(run_here: Run) -> None:
     legs = ("innocenti", "--l1", "27", "--l2", "20", "--l3", "20")
     limits = ("--to", "l1=27,l2=21,l3=19", "--l2-limits", "5:21")
-    done = run_here("connections", *legs, *limits, "--format", "json")
+    done = run_here("pose-connections", *legs, *limits, "--format", "json")
     expected = pose_connections(EXAMPLES["innocenti"], 27, 20, 20, to=(27, 21, 19), limits={"l2": (5, 21)})
     assert json.loads(done.stdout) == expected.to_json()
-    shown = run_here("connections", *legs).stdout
+    shown = run_here("pose-connections", *legs).stdout
     assert "Joined with each other: 1-2, 3-4." in shown
     assert re.search(r"^3 +opposite-signs +opposite-signs +joined +joined$", shown, re.MULTILINE)
-    refused = run_here("connections", *legs, "--to", "l1=27,l2=20")
+    refused = run_here("pose-connections", *legs, "--to", "l1=27,l2=20")
     assert (refused.returncode, refused.stderr.count("--to")) == (2, 1)
-    refused = run_here("connections", *legs, "--between", "28:29")
+    refused = run_here("pose-connections", *legs, "--between", "28:29")
     assert (refused.returncode, "--between: is 28 to 29" in refused.stderr) == (2, True)
 
 
@@ -157,14 +157,14 @@ def test_what_stays_undecided_is_said_near_a_pose(
     monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
     legs = ["innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--l2-limits", ":26.3438"]
     where = "undecided near α = 1.10324°, θ1 = 177.119°, L1 = 27."
-    assert main(["paths", *legs, "--from", "1", "--to", "2"]) == 0
+    assert main(["path", *legs, "--from", "1", "--to", "2"]) == 0
     assert f"It stays {where}" in capsys.readouterr().out
-    assert main(["connections", *legs]) == 0
+    assert main(["pose-connections", *legs]) == 0
     assert f"1-2 stays {where}" in capsys.readouterr().out
 
 
 def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
-    args = ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--samples", "41", "--timing", "trapezoid")
+    args = ("path", "innocenti", "--l1", "27", "--cusp", "B", "--samples", "41", "--timing", "trapezoid")
     expected = cusp_loop(EXAMPLES["innocenti"], 27, 2, samples=41, timing="trapezoid").to_json()
     assert json.loads(run_here(*args, "--format", "json").stdout) == expected
     assert run_here(*args, "--format", "csv").stdout == path_csv(expected)
@@ -173,7 +173,7 @@ def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
     legs = "L1 = 27, L2 = 15.5, L3 = 16.9"
     assert lines[2] == "Loop round cusp B, from pose {} to pose {} of {}: J > 0".format(*ends, legs)
     assert lines[-1].strip() == "41 samples, of which 21 are shown."
-    others = run_here("paths", "innocenti", "--l1", "27", "--samples", "2", "--others").stdout.splitlines()[
+    others = run_here("path", "innocenti", "--l1", "27", "--samples", "2", "--others").stdout.splitlines()[
         -3:
     ]
     assert others[0].strip().startswith("Pose 2 ends on a fold at L1 = 27.0000000000000, L2 = 24.461706")
@@ -182,7 +182,7 @@ def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
 
 def test_a_motion_within_limits_in_every_form(run_here: Run) -> None:
     limits = "--speed", "10", "--acceleration", "l2=20,l3=30", "--jerk", "200", "--chord", "0.2"
-    args = ("paths", "innocenti", "--l1", "27", "--cusp", "B", *limits)
+    args = ("path", "innocenti", "--l1", "27", "--cusp", "B", *limits)
     motion = {"speed": 10, "acceleration": {"l2": 20, "l3": 30}, "jerk": 200}
     expected = cusp_loop(EXAMPLES["innocenti"], 27, 2, motion=motion, sampling={"chord": "0.2"}).to_json()
     assert json.loads(run_here(*args, "--json").stdout) == expected
@@ -195,7 +195,7 @@ def test_a_motion_within_limits_in_every_form(run_here: Run) -> None:
 
 
 def test_a_path_from_pose_to_pose_or_why_there_is_none(run_here: Run) -> None:
-    args = ("paths", "innocenti", "--l1", "27", "--l2", "25.7", "--l3", "9.2", "--from", "2")
+    args = ("path", "innocenti", "--l1", "27", "--l2", "25.7", "--l3", "9.2", "--from", "2")
     legs = "L1 = 27, L2 = 25.7, L3 = 9.2"
     joined = run_here(*args, "--to", "4", "--between", "27:30", "--samples", "3").stdout.splitlines()
     assert joined[2] == f"Path from pose 2 to pose 4 of {legs}: J > 0"
@@ -220,17 +220,15 @@ def test_joint_limits_of_paths_and_loops(run_here: Run) -> None:
         (("--l2-limits", "19:25"), {"l2": (19, 25)}, "Poses were examined in boxes of 1.40625° × 1.40625°."),
     ):
         expected = joint_path(first, 27, 20, 20, 3, 4, limits=asked).to_json()
-        args = ("paths", "innocenti", *ends, *limits)
+        args = ("path", "innocenti", *ends, *limits)
         assert json.loads(run_here(*args, "--format", "json").stdout) == expected
         assert line in run_here(*args).stdout
-    loop = run_here(
-        "paths", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "8:20", "--samples", "3"
-    )
+    loop = run_here("path", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "8:20", "--samples", "3")
     assert loop.stdout.splitlines()[-1].endswith("counter-clockwise; all joint limits are kept.")
 
 
 def test_the_clearance_of_a_path(run_here: Run) -> None:
-    args = ("paths", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--from", "1", "--to", "2")
+    args = ("path", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--from", "1", "--to", "2")
     wide = run_here(*args, "--samples", "2", "--clearance", "best").stdout.splitlines()
     found = joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, samples=2, clearance="best").to_json()
     least, most = found["clearance"]["proved"], found["clearance"]["bound"]
@@ -335,7 +333,7 @@ def test_a_census_of_another_leg(run_here: Run) -> None:
 
 @pytest.mark.slow
 def test_cusp_curves_in_every_form(run_here: Run) -> None:
-    args = ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--l1", "3.15", "--digits", "20")
+    args = ("cusp-curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--l1", "3.15", "--digits", "20")
     done = run_here(*args, "--format", "json")
     assert (done.returncode, done.stderr) == (0, "")
     document = json.loads(done.stdout)
@@ -350,11 +348,11 @@ def test_cusp_curves_in_every_form(run_here: Run) -> None:
 
 @pytest.mark.long
 def test_cusp_curves_of_another_leg(run_here: Run) -> None:
-    done = run_here("curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
+    done = run_here("cusp-curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
     assert done.returncode == 0
     assert "L2: " in done.stdout
     assert "θ2 [deg]" in done.stdout
-    same = run_here("curves", "zein-flat", "--l2", "15", "--digits", "15", "--format", "csv")
+    same = run_here("cusp-curves", "zein-flat", "--l2", "15", "--digits", "15", "--format", "csv")
     assert same.stdout.startswith("curve,l2,cusp,alpha_deg,theta2_deg,l1,l3\n")
 
 
@@ -362,50 +360,50 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
     ("args", "said"),
     [
         (("poses", "innocenti", "--l1", "1"), "--l2/--l2-range, --l3/--l3-range"),
-        (("paths", "innocenti"), "--l1: is missing; give a number"),
-        (("singular", "innocenti"), "--l1: is missing; give a number"),
+        (("path", "innocenti"), "--l1: is missing; give a number"),
+        (("singular-curves", "innocenti"), "--l1: is missing; give a number"),
         (
-            ("singular", "innocenti", "--l1", "27", "--tolerance", "0"),
+            ("singular-curves", "innocenti", "--l1", "27", "--tolerance", "0"),
             "--tolerance: is 0; give 0.000001 to 0.1",
         ),
-        (("paths", "innocenti", *LEGS, "--from", "1"), "--to: is missing; give a number"),
-        (("paths", "innocenti", *LEGS, "--from", "1", "--to", "7"), "--to: is 7; give the number of a pose"),
+        (("path", "innocenti", *LEGS, "--from", "1"), "--to: is missing; give a number"),
+        (("path", "innocenti", *LEGS, "--from", "1", "--to", "7"), "--to: is 7; give the number of a pose"),
         (
-            ("paths", "innocenti", *LEGS, "--from", "1", "--to", "6"),
+            ("path", "innocenti", *LEGS, "--from", "1", "--to", "6"),
             "to: is 6; give the number of a pose, 1 to 2",
         ),
         (
-            ("paths", "innocenti", *LEGS, "--from", "1", "--to", "2", "--cusp", "A"),
+            ("path", "innocenti", *LEGS, "--from", "1", "--to", "2", "--cusp", "A"),
             "--cusp: is for a loop; leave it out, or --from and --to",
         ),
         (
-            ("paths", "innocenti", "--l1", "1", "--between", "1:2"),
+            ("path", "innocenti", "--l1", "1", "--between", "1:2"),
             "--between: is for a path from pose to pose",
         ),
         (
-            ("paths", "innocenti", "--l1", "27", "--l2-limits", "20:8"),
+            ("path", "innocenti", "--l1", "27", "--l2-limits", "20:8"),
             "--l2-limits.max: is 8; it must exceed 20",
         ),
-        (("paths", "innocenti", "--l1", "27", "--l2-limits", "8"), "--l2-limits: '8' is not FROM:TO"),
+        (("path", "innocenti", "--l1", "27", "--l2-limits", "8"), "--l2-limits: '8' is not FROM:TO"),
         (
-            ("paths", "innocenti", "--l1", "27", "--l2-limits", ":9", "--l2-limits", ":8"),
+            ("path", "innocenti", "--l1", "27", "--l2-limits", ":9", "--l2-limits", ":8"),
             "--l2-limits: is given twice",
         ),
         (
-            ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "20:"),
+            ("path", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "20:"),
             "--l2-limits: exclude cusp 2",
         ),
-        (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number in the table"),
-        (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9 (I); give 1 to 8, or A to H"),
-        (("paths", "innocenti", "--l1", "27", "--l2", "1"), "--l2"),
-        (("paths", "innocenti", "--l1", "27", "--samples", "1"), "--samples: is 1; give 2 to 10001"),
-        (("paths", "innocenti", "--l1", "27", "--jerk", "1"), "--speed: is missing"),
-        (("paths", "innocenti", "--l1", "27", "--step", "0"), "--step: is 0; a step must be > 0"),
+        (("path", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number in the table"),
+        (("path", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9 (I); give 1 to 8, or A to H"),
+        (("path", "innocenti", "--l1", "27", "--l2", "1"), "--l2"),
+        (("path", "innocenti", "--l1", "27", "--samples", "1"), "--samples: is 1; give 2 to 10001"),
+        (("path", "innocenti", "--l1", "27", "--jerk", "1"), "--speed: is missing"),
+        (("path", "innocenti", "--l1", "27", "--step", "0"), "--step: is 0; a step must be > 0"),
         (
-            ("paths", "innocenti", "--l1", "27", "--step", "1", "--chord", "1"),
+            ("path", "innocenti", "--l1", "27", "--step", "1", "--chord", "1"),
             "--chord: is given beside --step; give one of --samples, --step, --chord",
         ),
-        (("paths", "innocenti", "--l1", "27", "--duration", "0"), "--duration: is 0; a duration must be > 0"),
+        (("path", "innocenti", "--l1", "27", "--duration", "0"), "--duration: is 0; a duration must be > 0"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
         (
             ("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"),
@@ -421,14 +419,14 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (("census", "innocenti", "--l1-range", "1:2:3"), "is not FROM:TO"),
         (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "is a second range"),
         (("census", "innocenti", "--l2-range", "1:", "--fixed-leg", "1"), "the range is --l1-range"),
-        (("curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be"),
-        (("curves", "innocenti", "--l1", "5", "--l1-range", "6:8"), "outside the range from 6 to 8"),
+        (("cusp-curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be"),
+        (("cusp-curves", "innocenti", "--l1", "5", "--l1-range", "6:8"), "outside the range from 6 to 8"),
         (
-            ("curves", "innocenti", "--l1", "5", "--l2", "5"),
+            ("cusp-curves", "innocenti", "--l1", "5", "--l2", "5"),
             "is 5, but with fixed leg 1 the lengths are --l1",
         ),
-        (("curves", "innocenti", "--samples", "0"), "--samples: is 0; give 1 to 50"),
-        (("curves", "innocenti", "--l1-range", "8:6:1"), "the range is empty"),
+        (("cusp-curves", "innocenti", "--samples", "0"), "--samples: is 0; give 1 to 50"),
+        (("cusp-curves", "innocenti", "--l1-range", "8:6:1"), "the range is empty"),
         (("census", "innocenti", "--fixed-leg", "0"), "--fixed-leg: is 0"),
         (("poses", "nope", *LEGS), "one of innocenti"),
         (("poses", "innocenti", *LEGS, "--digits", "0"), "--digits: is 0; give 1 to 1000"),
@@ -437,18 +435,21 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
             ("margin", "innocenti", "--max-cusps", "1", "--l1-range", "1:2", "--l1", "1"),
             "is given beside --l1",
         ),
-        (("modes", "innocenti"), "--l1: is missing; give exactly one of --l1 and --l1-range"),
-        (("modes", "innocenti", "--l2", "1", "--fixed-leg", "1"), "with --fixed-leg 1 the lengths are --l1"),
+        (("assembly-modes", "innocenti"), "--l1: is missing; give exactly one of --l1 and --l1-range"),
         (
-            ("modes", "innocenti", "--l1", "1", "--l2", "1"),
+            ("assembly-modes", "innocenti", "--l2", "1", "--fixed-leg", "1"),
+            "with --fixed-leg 1 the lengths are --l1",
+        ),
+        (
+            ("assembly-modes", "innocenti", "--l1", "1", "--l2", "1"),
             "--l2: does not go with the others; with --fixed-leg",
         ),
         (
-            ("paths", "innocenti", "--l1", "27", "--speed", "1", "--acceleration", "1", "--duration", "1"),
+            ("path", "innocenti", "--l1", "27", "--speed", "1", "--acceleration", "1", "--duration", "1"),
             "--duration: follows from --speed and --acceleration",
         ),
         (
-            ("paths", "innocenti", "--l1", "27", "--speed", "l1=3", "--acceleration", "1"),
+            ("path", "innocenti", "--l1", "27", "--speed", "l1=3", "--acceleration", "1"),
             "--speed.l2: is missing",
         ),
         (
@@ -633,12 +634,12 @@ def test_a_path_between_any_poses(run_here: Run) -> None:
         EXAMPLES["innocenti"], start, {"alpha_deg": -40, "theta1_deg": 140, "l1": 28}, samples=3
     )
     for args in (numbered, named):
-        done = run_here("paths", "innocenti", *args, *TO, "--format", "json")
+        done = run_here("path", "innocenti", *args, *TO, "--format", "json")
         assert json.loads(done.stdout) == expected.to_json()
-    title = run_here("paths", "innocenti", *named, *TO).stdout.splitlines()[2]
+    title = run_here("path", "innocenti", *named, *TO).stdout.splitlines()[2]
     assert title.startswith("Path from pose 1 of L1 = 27, L2 = 20, L3 = 20 to a given pose of L1 = 28, L2 = ")
-    same = run_here("paths", "innocenti", *named, "--to", "l1=27,l2=20,l3=20,pose=2", "--samples", "3")
-    assert same.stdout == run_here("paths", "innocenti", *numbered, "--to", "2", "--samples", "3").stdout
+    same = run_here("path", "innocenti", *named, "--to", "l1=27,l2=20,l3=20,pose=2", "--samples", "3")
+    assert same.stdout == run_here("path", "innocenti", *numbered, "--to", "2", "--samples", "3").stdout
 
 
 @pytest.mark.parametrize(
@@ -652,5 +653,5 @@ def test_a_path_between_any_poses(run_here: Run) -> None:
     ],
 )
 def test_what_is_wrong_with_a_pose_is_named(run_here: Run, args: tuple[str, ...], said: str) -> None:
-    done = run_here("paths", "innocenti", *args)
+    done = run_here("path", "innocenti", *args)
     assert (done.returncode, said in done.stderr) == (2, True), done.stderr

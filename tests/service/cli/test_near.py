@@ -38,7 +38,7 @@ def is_told(line: str) -> bool:
     [
         ("solve", "--l1", "5", "--digits", "15"),
         ("poses", "--l1", "5", "--l2", "6", "--l3", "7", "--digits", "15"),
-        ("modes", "--l1", "5"),
+        ("assembly-modes", "--l1", "5"),
     ],
 )
 def test_text_begins_with_it(run_here: Run, machine: str, command: tuple[str, ...]) -> None:

@@ -285,7 +285,7 @@ def test_help_of_a_command(run_here: Run, words: tuple[str, ...]) -> None:
         (("xyzzy",), "'xyzzy'; choose from solve, census, "),
         (("check", "innocenti", "--l1-range", "-1:5", "--max-cusps", "3"), "--l1-range.from: is -1"),
         (("solve", "innocenti", "--l1", "-1/2"), "--l1: is -0.5; a leg length must be > 0"),
-        (("paths", "innocenti", *POSE, "--from", "1", "--to", "1"), "--to: is pose 1, where the path begins"),
+        (("path", "innocenti", *POSE, "--from", "1", "--to", "1"), "--to: is pose 1, where the path begins"),
     ],
 )  # fmt: skip
 def test_what_is_mistyped_is_told_in_one_line(run_here: Run, words: tuple[str, ...], said: str) -> None:

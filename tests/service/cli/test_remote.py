@@ -33,10 +33,10 @@ ZEIN = EXAMPLES["zein-flat"]
         ("solve", "zein-flat", "--l1", "10"),
         ("census", "zein-flat", "--l1-range", "22:32", "--format", "csv"),
         ("census", "zein-flat", "--l1-range", "30:33", "--sensitivities", "--format", "csv"),
-        long(("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--format", "json")),
+        long(("cusp-curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--format", "json")),
         ("poses", "zein-flat", "--l1", "15", "--l2", "61/2", "--l3", "40", "--format", "json"),
-        ("paths", "zein-flat", "--l1", "10", "--cusp", "b", "--samples", "40"),
-        ("singular", "zein-flat", "--l2", "10", "--tolerance", "0.02"),
+        ("path", "zein-flat", "--l1", "10", "--cusp", "b", "--samples", "40"),
+        ("singular-curves", "zein-flat", "--l2", "10", "--tolerance", "0.02"),
         ("aspects", "zein-flat", "--l2-range", "10:"),
         ("check", "zein-flat", "--l1-range", "1:10", "--max-cusps", "3", "--format", "json"),
         long(
@@ -75,14 +75,14 @@ def test_checks_end_at_once_if_there_is_no_service(run_here: Run) -> None:
     [
         "solve",
         "census",
-        "curves",
+        "cusp-curves",
         "check",
         "poses",
-        "paths",
-        "singular",
+        "path",
+        "singular-curves",
         "aspects",
-        "modes",
-        "connections",
+        "assembly-modes",
+        "pose-connections",
         "margin",
     ],
 )
@@ -91,10 +91,10 @@ def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
         "check": ("--l1", "1", "--expect-cusps", "1"),
         "poses": ("--l1", "1", "--l2", "1", "--l3", "1"),
         "solve": ("--l1", "1"),
-        "paths": ("--l1", "1"),
-        "singular": ("--l1", "1"),
-        "modes": ("--l1", "1"),
-        "connections": ("--l1", "1", "--l2", "1", "--l3", "1"),
+        "path": ("--l1", "1"),
+        "singular-curves": ("--l1", "1"),
+        "assembly-modes": ("--l1", "1"),
+        "pose-connections": ("--l1", "1", "--l2", "1", "--l3", "1"),
         "margin": ("--l1", "1"),
     }
     done = run_here(name, "innocenti", *options.get(name, ()), "--deadline", "5")
@@ -200,7 +200,7 @@ def test_jobs(run_here: Run, idle_url: str) -> None:
         job = client.begin(asked)
         where = ("--url", idle_url)
         title, first, *_ = run_here("jobs", *where, "--limit", "1").stdout.splitlines()
-        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "KEY"]
+        columns = ["ID", "KIND", "STATUS", "CREATED", "STARTED", "ENDED", "ESTIMATE", "KEY"]
         assert title.split() == columns
         assert first.split()[:3] == [job.id, "cusp-table", "queued"]
         done = run_here("cancel", job.id, "--force", *where)
@@ -277,7 +277,7 @@ def test_one_comes_back_to_a_batch(run_here: Run, base_url: str) -> None:
     where = (batch, "--url", base_url)
     fetched = run_here("fetch", *where)
     assert (fetched.returncode, fetched.stdout.count("\n")) == (1, 3)
-    assert json.loads(run_here("status", *where).stdout)["status"] == "succeeded"
+    assert json.loads(run_here("status", *where).stdout)["status"] == "completed"
     assert json.loads(run_here("cancel", *where).stdout)["failed"] == 1
     again = run_here("submit", "-", "--url", base_url, "--key", "comes-back", stdin=stdin)
     assert sorted(again.stdout.splitlines()) == sorted(fetched.stdout.splitlines())

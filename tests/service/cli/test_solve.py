@@ -139,9 +139,9 @@ def test_bad_input_is_one_line_and_status_2(
 
 
 def test_a_bad_setting_in_the_environment_is_named(run_here: Run) -> None:
-    done = run_here("solve", "innocenti", "--l1", "1", RPR_CUSPS_MAX_SLICES="many")
+    done = run_here("solve", "innocenti", "--l1", "1", RPR_CUSPS_MAX_COST_SECONDS="many")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert "RPR_CUSPS_MAX_SLICES" in done.stderr
+    assert "RPR_CUSPS_MAX_COST_SECONDS" in done.stderr
 
 
 def test_a_slice_without_an_answer_is_reported_with_the_others(run_here: Run) -> None:

@@ -49,7 +49,7 @@ def test_jobs_and_problems_are_as_documented(idle: httpx.Client) -> None:
 
 @pytest.mark.parametrize(
     ("path", "model"),
-    [("/readyz", Readiness), ("/version", Version)],
+    [("/readyz", Readiness), ("/v1/version", Version)],
 )
 def test_operational_answers_are_as_documented(api: httpx.Client, path: str, model: type[BaseModel]) -> None:
     assert is_whole(model, api.get(path).json())

@@ -33,7 +33,7 @@ VALUES: dict[str, list[Any]] = {
     "theme": ["dark"], "pose": [2], "width_mm": [90], "style": ["paper"], "unit": ["mm"], "labels": ["none"],
 }  # fmt: skip
 """Values that are not those of a question without the member."""
-APART = {"geometry", "deadline_s", "callback_url", "document"}
+APART = {"geometry", "deadline_seconds", "callback_url", "document"}
 
 
 def as_sent(value: Any) -> Any:

@@ -21,7 +21,7 @@ from service.schemas.limits import LimitError, Limits
 from service.schemas.modes import AssemblyModesRequest, PoseConnectionsRequest
 from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest
-from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
+from service.schemas.poses import AspectsRequest, PosesRequest, SingularCurvesRequest
 from service.schemas.questions import Question
 from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTableRequest
@@ -130,7 +130,7 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     of_15 = (
         PathRequest,
         SingularCurvesRequest,
-        RangeAspectsRequest,
+        AspectsRequest,
         AssemblyModesRequest,
         PoseConnectionsRequest,
         PlotRequest,
@@ -167,7 +167,10 @@ def test_every_kind_of_document_has_one_question() -> None:
             ],
         ),
         ('{"geometry": %s, "range": {"from": []}}', [("range.from", "is a list; give a number such as")]),
-        ('{"geometry": %s, "\\ud800": 1}', [("\\ud800", "unknown field; known are geometry, deadline_s")]),
+        (
+            '{"geometry": %s, "\\ud800": 1}',
+            [("\\ud800", "unknown field; known are geometry, deadline_seconds")],
+        ),
     ],
 )
 def test_a_fault_is_reported_with_a_valid_alternative(body: str, expected: list[tuple[str, str]]) -> None:

@@ -55,7 +55,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) ->
     done = state(queue, view.id)
     assert (done.status, done.done) == ("succeeded", 5)
     assert done.started_at is not None
-    assert done.finished_at is not None
+    assert done.ended_at is not None
     assert len(table_of(queue, view.id)["slices"]) == 5
     events = [fields for _, fields in queue.redis.xrange(queue.keys.job(view.id).events)]
     statuses = [fields[b"status"] for fields in events if fields[b"type"] == b"status"]
@@ -210,8 +210,8 @@ def test_quotas_of_jobs_and_of_work(queue: JobQueue, monkeypatch: pytest.MonkeyP
 def test_the_work_of_a_lane_is_done_slice_by_slice(queue: JobQueue) -> None:
     heavy, small = queue.submit(a_heavy_document()), queue.submit(a_request("1", "2"))
     whole = work_left(queue)
-    assert whole["heavy"] == round(1000 * (heavy.estimate_s or 0))
-    assert whole["small"] == round(1000 * (small.estimate_s or 0))
+    assert whole["heavy"] == round(1000 * (heavy.estimate_seconds or 0))
+    assert whole["small"] == round(1000 * (small.estimate_seconds or 0))
     [ref] = [ref for ref in open_chunks(queue) if ref.job_id == small.id]
     chunk = Attempts(queue.redis, queue.settings).start(ref, 0, 1)
     assert chunk is not None
@@ -230,7 +230,7 @@ def test_the_place_of_a_job(queue: JobQueue) -> None:
     assert [place.position for place in places if place] == [0, 1, 2]
     seconds = [place.seconds for place in places if place]
     assert seconds[0] == 0
-    assert seconds[2] == pytest.approx(sum(view.estimate_s or 0 for view in views[:2]), abs=0.01)
+    assert seconds[2] == pytest.approx(sum(view.estimate_seconds or 0 for view in views[:2]), abs=0.01)
     queue.cancel(views[0].id)
     place = queue.with_position(views[2]).place
     assert place is not None
@@ -243,7 +243,7 @@ def test_a_full_lane_refuses_jobs_and_others_do_not(redis: Redis) -> None:
     with pytest.raises(QueueFullError) as refused:
         queue.submit(a_heavy_document(31))
     assert refused.value.lane == "heavy"
-    assert refused.value.seconds == pytest.approx(first.estimate_s, abs=0.01)
+    assert refused.value.seconds == pytest.approx(first.estimate_seconds, abs=0.01)
     assert queue.submit(a_heavy_document()).run == first.run
     queue.submit(a_request("1"))
 
@@ -266,15 +266,15 @@ def test_a_false_estimate_takes_all_waiting_chunks_along(
 
 @pytest.mark.parametrize("later", [1000.0, None])
 def test_the_latest_deadline_counts(queue: JobQueue, redis: Redis, later: float | None) -> None:
-    view = queue.submit(a_request("1"), deadline_s=0.001)
-    queue.submit(a_request("1"), deadline_s=later)
+    view = queue.submit(a_request("1"), deadline_seconds=0.001)
+    queue.submit(a_request("1"), deadline_seconds=later)
     sweeper.Sweeper(redis, queue.settings).sweep()
     assert state(queue, view.id).status == "queued"
     assert (state(queue, view.id).deadline_at is None) is (later is None)
 
 
 def test_a_job_ends_at_its_deadline(queue: JobQueue, redis: Redis) -> None:
-    view = queue.submit(a_request("1"), deadline_s=0.001)
+    view = queue.submit(a_request("1"), deadline_seconds=0.001)
     sweeper.Sweeper(redis, queue.settings).sweep()
     ended = state(queue, view.id)
     assert (ended.status, (ended.error or {})["type"]) == ("failed", "timeout")
