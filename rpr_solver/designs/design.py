@@ -293,10 +293,11 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
     goal, requirement = plan.goal, plan.goal.requirement
     best, leg = outcome.candidates[-1].manipulator, requirement.fixed_leg
     report = check_counts(best, requirement, digits=MIN_DIGITS)
-    given, table = (
-        census(one, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
-        for one in (manipulator, best)
-    )
+    tables = {
+        one: census(one, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
+        for one in {manipulator, best}
+    }
+    given, table = tables[manipulator], tables[best]
     value, met, found = _reached(best, goal, report)
     if value is None:
         value = _shown(outcome.candidates[-1])

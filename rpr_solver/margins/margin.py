@@ -59,6 +59,9 @@ _ENOUGH = Fraction(6, 5)
 """The search ends when the radius that failed is at most this many times the proved one."""
 _TINY = Fraction(1, 10**9)
 """Radii below this share of an estimate are not tried."""
+_FINEST = Fraction(2, 10**13)
+"""Below this share of the longest length no margin is tried: roundings of doubles hide it. Measured: proofs
+of 3e-13 succeed, those of 3e-14 use all boxes and fail."""
 _LEAST_BOXES = 4_000
 _CANDIDATES = 4
 _DOUBTFUL = 1.1
@@ -285,7 +288,7 @@ class _Search:
         if reason := self.subject.obstacle():
             return self._answer(example=example, reason=reason)
         proved, failed, tries = Fraction(0), self._possible(self._top(example)), iter(_PARTS)
-        while self.budget.left > _LEAST_BOXES and failed > proved * _ENOUGH:
+        while self.budget.left > _LEAST_BOXES and failed > max(proved * _ENOUGH, self._finest):
             radius = rounded_down(
                 (proved + failed) / 2 if proved else failed * next(tries, Fraction(1, 2)), _DIGITS
             )
@@ -299,7 +302,7 @@ class _Search:
 
     def _possible(self, top: Fraction) -> Fraction:
         """A radius, at most a given one, near which there is something to exclude; 0 if none is found."""
-        known, radius, least = Fraction(0), top, top * _TINY
+        known, radius, least = Fraction(0), top, max(top * _TINY, self._finest)
         while top > known * _ENOUGH and radius > least and self.budget.left:
             if self.subject.problems(radius * _PARTS[0], self.weights) is not None:
                 known = radius
@@ -316,7 +319,16 @@ class _Search:
             bounds.append(example.radius)
         elif self._estimate is not None:
             bounds.append(Fraction(self._estimate.radius))
-        return min(bounds) if bounds else max(max(-low, high) for low, high in self.manipulator.bounds())
+        return min(bounds) if bounds else self._longest
+
+    @property
+    def _longest(self) -> Fraction:
+        return max(max(-low, high) for low, high in self.manipulator.bounds())
+
+    @property
+    def _finest(self) -> Fraction:
+        """The least radius of which a proof is tried."""
+        return self._longest * _FINEST / max(self.weights)
 
     @cached_property
     def _near(self) -> list[Estimate]:
@@ -347,8 +359,12 @@ class _Search:
     def _refuted(self) -> Counterexample | None:
         """A counter-example, the nearest that is found."""
         tries = self._near[:_CANDIDATES] if self.budget.left else []
-        best = next((example for near in tries if (example := self._ray(near).beyond())), None)
         estimate = self._estimate
+        rays = map(self._ray, filter(None, (*tries, estimate)))
+        fine = [ray for ray in rays if Fraction(ray.estimate.radius) < self._finest]
+        if example := next((example for ray in fine if (example := ray.twice())), None):
+            return example
+        best = next((example for near in tries if (example := self._ray(near).beyond())), None)
         if estimate is None or not self.budget.left:
             return best
         if best is not None and Fraction(estimate.radius) * _CLOSE > best.radius:

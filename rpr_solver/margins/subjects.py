@@ -37,11 +37,13 @@ _PARTS = 3
 """Parts of a range, at whose ends degenerate poses are sought."""
 _CHECKS = 2
 """Near geometries that are checked, which takes far longer than to count the cusps of a slice."""
-_FACTORS = ("1.001", "1.002", "1.004", "1.008", "1.016", "1.032", "1.064", "1.128", "1.256", "1.512", "2")
+_FACTORS = ("1.001", "1.004", "1.016", "1.064", "1.256", "2")
 _RADIUS_DIGITS = 4
 _PRECISIONS = (4, 7, 10)
 """Digits of radii: the count may differ only just beyond, until a second transition passes."""
 _BISECTIONS = 6
+_CLOSE = Fraction(21, 20)
+"""Two radii are near enough to each other to end a search."""
 _FINER = 1000
 """An irrational length is rounded, when it is moved, by less than this part of the way."""
 
@@ -374,6 +376,10 @@ class Ray:
         radii = {rounded_up(Fraction(self.estimate.radius), digits): None for digits in _PRECISIONS}
         return next((example for radius in radii if (example := self.shows(radius))), None)
 
+    def twice(self) -> Counterexample | None:
+        """A counter-example at twice the radius, where none that is nearer would tell more."""
+        return self.shows(rounded_up(2 * Fraction(self.estimate.radius), _RADIUS_DIGITS))
+
     def nearest(self) -> Counterexample | None:
         """A counter-example, the nearest that a short search finds."""
         whole = Fraction(self.estimate.radius)
@@ -391,6 +397,8 @@ class Ray:
     def _between(self, sound: Fraction, best: Counterexample) -> Counterexample:
         """One that is nearer, by a few bisections."""
         for _ in range(_BISECTIONS):
+            if best.radius <= sound * _CLOSE:
+                break
             middle = rounded_up((sound + best.radius) / 2, _RADIUS_DIGITS)
             if middle >= best.radius:
                 break
