@@ -46,8 +46,6 @@ _PARTS = (1.0, 0.25, 0.06)
 _TRUST, _LEAST_TRUST, _MOST_TRUST = 0.15, 0.0005, 0.5
 _APART = 0.2
 """Climbs do not begin nearer to each other, or to where others have been."""
-_SAME = 0.08
-"""Of climbs that come this near to each other, only the best goes on."""
 _TRIES = 3
 
 Documents: TypeAlias = Sequence[Mapping[str, Any] | None]
@@ -250,7 +248,6 @@ class _Search:
                 climb.tell([one for one in (next(results) for _ in some) if one is not None])
                 begun.append(climb.best.profile.place)
             climbs = [climb for climb in climbs if not climb.has_ended]
-            climbs = self._distinct(climbs)
 
     def _begin(self, begun: list[Vector]) -> list[_Climb]:
         """Climbs from the best candidates where none has been."""
@@ -260,15 +257,6 @@ class _Search:
                 climbs.append(_Climb(candidate))
                 begun.append(candidate.profile.place)
         return climbs
-
-    def _distinct(self, climbs: Sequence[_Climb]) -> list[_Climb]:
-        """Of climbs to the same place, the best one."""
-        kept: list[_Climb] = []
-        for climb in sorted(climbs, key=lambda climb: climb.best.cost):
-            place = climb.best.profile.place
-            if all(np.abs(place - other.best.profile.place).max() > _SAME for other in kept):
-                kept.append(climb)
-        return kept
 
     def _is_apart(self, place: Vector, begun: Sequence[Vector]) -> bool:
         return all(np.abs(place - other).max() > _APART for other in begun)

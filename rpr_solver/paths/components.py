@@ -38,19 +38,21 @@ _MOST_BOXES: Mapping[int, int] = {2: 40_000, 3: 40_000}
 
 Direction = tuple[float, float, float]
 """Along α, θ and L, in widths of a box."""
-_FEW_SIDES = sorted(
-    (way for way in product((-4, -2, -1, 0, 1, 2, 4), repeat=2) if gcd(*way) == 1),
+_STEPS = (-4.0, -2.0, -1.0, 0.0, 1.0, 2.0, 4.0)
+_FLAT = sorted(
+    ((p, q, 0.0) for p, q in product(_STEPS, repeat=2) if gcd(int(p), int(q)) == 1),
     key=lambda way: sum(map(bool, way)),
 )
-_FLAT = np.array([(p, q, 0.0) for p, q in _FEW_SIDES])
-"""Directions along few sides, which are tried first: those along one of them, then others."""
+_WAYS = np.array([*_FLAT, *(way for way in product((-1.0, 0.0, 1.0), repeat=3) if way[2])])
+"""Directions along few sides, which are tried first: those along one of α and θ, along both, and others."""
 _FINE = 256
 _TURNS = 6
 _LEAST_RATE = 1e-9
 """How fast conditions must grow at least, relatively: far more than any rounding."""
+_TINY = 1e-300
+"""What keeps a quotient from being 0 / 0."""
 _BETTER = 1.2
 """By so much a later direction must be better than one along fewer sides."""
-_ALL = np.array([*_FLAT, *(way for way in product((-1.0, 0.0, 1.0), repeat=3) if way[2])])
 
 
 class AllowedRegion(BoxTree):
@@ -91,20 +93,18 @@ class AllowedRegion(BoxTree):
         """The boxes to which the allowed poses of an undecided one are joined, if they are not in it alone;
         None if there is no direction in which everything grows."""
         if box not in self._targets:
-            direction = self._direction(box, self.judgements[box].missing)
-            self._targets[box] = None if direction is None else self._ahead(box, direction)
+            self._targets[box] = self._ahead(box, self.judgements[box].missing)
         return self._targets[box]
 
-    def _ahead(self, box: Box, direction: Direction) -> list[Box] | None:
-        found: list[Box] = []
-        for axis, size in enumerate(direction):
-            if size:
-                step = 1 if size > 0 else -1
-                same = self.boxes.neighbour(box, axis, step)
-                if same is None:  # the end of the range
-                    return None
-                found += self.uncut(same, axis, step)
-        return found
+    def _ahead(self, box: Box, numbers: frozenset[int]) -> list[Box] | None:
+        """The boxes beyond the faces in a direction in which conditions grow; None if there is none."""
+        mids, radii = (part[sorted(numbers)] for part in self.judgements[box].slopes)
+        low, high = (0.0 if self.boxes.neighbour(box, 2, k) is None else k * np.inf for k in (-1, 1))
+        if (direction := _rising(mids, radii, (low, high))) is None:
+            return None
+        steps = [(axis, 1 if size > 0 else -1) for axis, size in enumerate(direction) if size]
+        beside = ((self.boxes.neighbour(box, *step), step) for step in steps)
+        return [other for same, step in beside if same is not None for other in self.uncut(same, *step)]
 
     def turn(self, boxes: Iterable[Box]) -> bool:
         """Gives boxes with ways that return directions in which also grows what is undecided on those of them
@@ -120,19 +120,12 @@ class AllowedRegion(BoxTree):
                 wider[box] = more
         for box, numbers in wider.items():
             self._wider[box] = numbers
-            direction = self._direction(box, numbers)
-            if direction is not None and (targets := self._ahead(box, direction)) is not None:
+            if (targets := self._ahead(box, numbers)) is not None:
                 self._targets[box] = targets
         return bool(wider)
 
     def _asked(self, box: Box) -> frozenset[int]:
         return self._wider.get(box) or self.judgements[box].missing
-
-    def _direction(self, box: Box, numbers: frozenset[int]) -> Direction | None:
-        """The direction in which conditions grow most evenly on a box."""
-        rows = sorted(numbers)
-        mids, radii = (part[rows] for part in self.judgements[box].slopes)
-        return _rising(mids, radii, is_flat=2 not in self.boxes.axes)
 
     def forget(self, box: Box) -> None:
         """Forgets what depends on how the boxes beside one are cut."""
@@ -141,12 +134,15 @@ class AllowedRegion(BoxTree):
         self._wider.pop(box, None)
 
 
-def _rising(mids: Doubles, radii: Doubles, is_flat: bool) -> Direction | None:
-    """A direction in which all conditions (rows) are proved to grow, by their slopes and their radii."""
+def _rising(mids: Doubles, radii: Doubles, ends: tuple[float, float]) -> Direction | None:
+    """The direction in which conditions (rows) grow most evenly, by their slopes and their radii; None if it
+    is not proved that all grow. ``ends`` are those of its part along L.
+    """
     sizes = np.sqrt((mids**2).sum(axis=1))
     if not (np.isfinite(mids).all() and np.isfinite(radii).all() and len(sizes) and sizes.all()):
         return None
-    ways = np.concatenate([_FLAT if is_flat else _ALL, _between_slopes(mids / sizes[:, None], is_flat)])
+    first = _WAYS[(ends[0] <= _WAYS[:, 2]) & (_WAYS[:, 2] <= ends[1])]
+    ways = np.concatenate([first, _between_slopes(mids, ends)])
     # how fast each condition grows at least, relative to its fastest growth
     least = (ways @ mids.T - abs(ways) @ radii.T) / (np.sqrt((ways**2).sum(axis=1))[:, None] * sizes)
     best, rate = None, _LEAST_RATE
@@ -159,14 +155,17 @@ def _rising(mids: Doubles, radii: Doubles, is_flat: bool) -> Direction | None:
     return p, q, r
 
 
-def _between_slopes(units: Doubles, is_flat: bool) -> Doubles:
-    """Directions between slopes of size 1."""
+def _between_slopes(mids: Doubles, ends: tuple[float, float]) -> Doubles:
+    """Directions between slopes, and between their parts along α and θ; their parts along L have these
+    ends."""
     found = [np.zeros((0, 3))]
-    for count in range(2, len(units) + 1):
-        ways = np.array(list(combinations(units, count))).sum(axis=1)
-        ways[:, 2] *= not is_flat
-        most = abs(ways).max(axis=1)
-        found.append(np.rint(_FINE * ways[most > 0] / most[most > 0, None]))
+    for slopes in (mids, mids * [1, 1, 0]):
+        units = slopes / (np.linalg.norm(slopes, axis=1, keepdims=True) + _TINY)
+        for count in range(2, len(units) + 1):
+            ways = np.array(list(combinations(units, count))).sum(axis=1)
+            ways[:, 2] = ways[:, 2].clip(*ends)
+            most = abs(ways).max(axis=1)
+            found.append(np.rint(_FINE * ways[most > 0] / most[most > 0, None]))
     return np.concatenate(found)
 
 

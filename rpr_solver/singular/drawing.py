@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import degrees, hypot, radians
 from typing import Any
 
@@ -21,6 +22,7 @@ from rpr_solver.singular.vertices import (
     ArcPlace,
     NotPlaced,
     Vertex,
+    VertexKind,
     closed_legs,
     cusp_place,
     poses_on_line,
@@ -279,11 +281,14 @@ class Drawing:
     def picture(self, length: Fraction, parts: Sequence[tuple[Chain, Strand]]) -> Picture:
         """The strands in the joint plane; ``length`` is in the user's unit."""
         curves = [
-            Polyline(
-                tuple(zip(strand.first, strand.second, strict=True)),
-                number if chain.closed else chain.cells[0],
-                number if chain.closed else chain.cells[-1],
-                tuple(zip(map(radians, strand.alpha_deg), map(radians, strand.theta_deg), strict=True)),
+            (
+                Polyline(
+                    tuple(zip(strand.first, strand.second, strict=True)),
+                    number if chain.closed else chain.cells[0],
+                    number if chain.closed else chain.cells[-1],
+                    tuple(zip(map(radians, strand.alpha_deg), map(radians, strand.theta_deg), strict=True)),
+                ),
+                [index for index, vertex in strand.vertices if vertex.kind is VertexKind.CLOSED_LEG],
             )
             for number, (chain, strand) in enumerate(parts)
             if chain.steps and self._separates(chain)
@@ -298,7 +303,7 @@ class Drawing:
             self.sweep.chart.slice_map,
             self._tracer.points.floats,
             length,
-            curves,
+            list(_joined(curves, FINEST * self.extent)),
             cusps,
             [place for _, strand in parts for place in _least_regions(strand, FINEST * self.extent)],
             self.extent,
@@ -337,6 +342,31 @@ class Drawing:
     def _at(self, cell: MeetingIndex) -> Iterator[Vertex]:
         if cell in self._at_cells:
             yield self._at_cells[cell]
+
+
+def _joined(curves: Sequence[tuple[Polyline, Sequence[int]]], finest: float) -> Iterator[Polyline]:
+    """The curves, with one junction where several nodes or closed legs have the same image.
+
+    Otherwise rounding would decide whether the regions beside it are joined. Curves, each with the numbers
+    of its closed legs, are cut there.
+    """
+    homes: dict[Hashable, tuple[Hashable, Point]] = {}
+    shared = set()
+    for number, (curve, legs) in enumerate(curves):
+        points = curve.points
+        inner = [(("leg", number, k), points[k]) for k in legs if 0 < k < len(points) - 1]
+        for name, place in [(curve.start, points[0]), (curve.end, points[-1]), *inner]:
+            if name not in homes:
+                near = (x for x in homes.values() if hypot(x[1][0] - place[0], x[1][1] - place[1]) <= finest)
+                homes[name] = home = next(near, (name, place))
+                if home[0] != name:
+                    shared.add(home[0])
+    for number, (curve, legs) in enumerate(curves):
+        cuts = [k for k in legs if homes.get(("leg", number, k), ("", ()))[0] in shared]
+        names = [curve.start, *(("leg", number, k) for k in cuts), curve.end]
+        for (i, j), ends in zip(pairwise([0, *cuts, len(curve.points) - 1]), pairwise(names), strict=True):
+            (start, first), (end, last) = (homes[name] for name in ends)
+            yield Polyline((first, *curve.points[i + 1 : j], last), start, end, curve.angles[i : j + 1])
 
 
 def _least_regions(strand: Strand, finest: float) -> Iterator[Point]:

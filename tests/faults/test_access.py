@@ -6,18 +6,15 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import httpx
 import pytest
 
 from service.stack.embedded_valkey import runtime_dir
-from tests.support.processes import PATIENCE, Workers, completed, environment, started, until
-from tests.support.service_server import GEOMETRY
-from worker.connection import connect
+from tests.support.processes import PATIENCE, Workers, completed, environment, started
+from tests.support.service_server import GEOMETRY, NO_WAIT
 
 
 def command(data: Path, *arguments: str) -> list[str]:
@@ -40,20 +37,11 @@ def running(data: Path, *arguments: str) -> Iterator[tuple[str, subprocess.Popen
         process.wait(PATIENCE)
 
 
-@dataclass(frozen=True)
-class Local:
-    """A service without workers and keys, on an address of this computer."""
-
-    base: str
-    redis_url: str
-    process: subprocess.Popen[str]
-
-
 @pytest.fixture(scope="module")
-def local(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Local]:
-    data = tmp_path_factory.mktemp("local")
-    with running(data) as (base, process):
-        yield Local(base, f"unix://{runtime_dir(data)}/valkey.sock", process)
+def local(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a service without workers and keys."""
+    with running(tmp_path_factory.mktemp("local")) as (base, _):
+        yield base
 
 
 def test_other_computers_are_kept_out_without_keys(tmp_path: Path) -> None:
@@ -92,33 +80,39 @@ def test_a_name_to_listen_on(tmp_path: Path) -> None:
             assert httpx.get(f"{base}/v1/version", headers={"Host": host}).status_code == status
 
 
-def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) -> None:
-    """One client cancels a job that another one waits for. The job continues, and the other client gets its
-    answer."""
-    question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
-    with httpx.Client(base_url=local.base, timeout=PATIENCE) as client:
-        headers = {"Prefer": "respond-async"}
-        first = client.post("/v1/cusp-tables", json=question, headers=headers).json()
-        with ThreadPoolExecutor(1) as pool:
-            waiting = pool.submit(
-                client.post, "/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}
+def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
+    """A client with a key cancels a job that one with another key waits for, whether it asked for it, too, or
+    not. The job continues, and the other client gets its answer."""
+    data, question = tmp_path / "data", {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
+    create = [sys.executable, "-m", "service", "keys", "create", "--data-dir", str(data)]
+    keys = [
+        completed([*create, name], environment()).stdout.strip() for name in ("owner", "other", "stranger")
+    ]
+    with running(data) as (base, process), ExitStack() as stack:
+        owner, other, stranger = (
+            stack.enter_context(
+                httpx.Client(base_url=base, timeout=PATIENCE, headers={"Authorization": f"Bearer {key}"})
             )
-            with connect(local.redis_url) as redis:
-                until(lambda: any(entry["cmd"] == "xread" for entry in redis.client_list()))
-                for _ in range(3):
-                    assert client.delete(first["links"]["self"]).json()["status"] == "queued"
-                workers = Workers(local.redis_url, tmp_path / "log")
-                workers.start()
-                assert waiting.result().json()["slices"][0]["count"] == 6
-                workers.stop()
-        assert local.process.poll() is None
+            for key in keys
+        )
+        other.post("/v1/cusp-tables", json=question, headers=NO_WAIT)
+        first = owner.post("/v1/cusp-tables", json=question, headers=NO_WAIT).json()
+        for client in (other, stranger):
+            client.delete(first["links"]["self"])
+            assert owner.get(first["links"]["self"]).json()["status"] == "queued"
+        workers = Workers(f"unix://{runtime_dir(data)}/valkey.sock", tmp_path / "log")
+        workers.start()
+        answer = owner.post("/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"})
+        assert answer.json()["slices"][0]["count"] == 6
+        workers.stop()
+        assert process.poll() is None
 
 
-def test_a_page_of_another_site_cannot_use_a_local_service(local: Local) -> None:
+def test_a_page_of_another_site_cannot_use_a_local_service(local: str) -> None:
     """The page of another site makes its own name resolve to 127.0.0.1 (DNS rebinding). Its requests are
     refused, 421.
     """
     for name in ("evil.example", "evil.example:8000", "127.0.0.1.evil.example"):
-        answer = httpx.get(f"{local.base}/v1/limits", headers={"Host": name})
+        answer = httpx.get(f"{local}/v1/limits", headers={"Host": name})
         assert (answer.status_code, answer.json()["type"]) == (421, "/problems/unknown-host")
-    assert httpx.get(f"{local.base}/v1/limits").status_code == 200
+    assert httpx.get(f"{local}/v1/limits").status_code == 200

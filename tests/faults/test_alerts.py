@@ -94,32 +94,27 @@ def test_chunks_are_lost_and_a_job_fails(api: httpx.Client, redis: Redis, worker
     """The work horse of a job dies each time: `ChunksLost`, `JobsFail`. `rpr-cusps jobs --all` and the log
     name the job."""
     task = "tests.support.hard_tasks.killed"
-    workers.start(task=task, max_losses=1, log_level="INFO")
+    workers.start(task=task, log_level="INFO")
     view = JobQueue(redis, WorkerSettings(task=task)).submit(a_document())
     until(lambda: metric(api, "job_failures_total", reason="worker-crashed") == 1)
-    assert metric(api, "chunks_lost_total", what="horse") == 2
+    assert metric(api, "chunks_lost_total", what="horse") == 3
     command = [sys.executable, "-m", "service", "jobs", "--all", "--url", str(api.base_url)]
     shown = completed(command, environment())
     assert view.id in shown.stdout
     assert re.search(rf" job={view.id}", workers.log.read_text())
 
 
-def test_a_worker_is_slow(api: httpx.Client, workers: Workers) -> None:
-    """A worker gets no processor: `WorkerSlow`. Its heartbeat goes on afterwards."""
-    worker = workers.start()
-    with stopped(worker.pid):
-        assert until(lambda: (metric(api, "worker_beat_age_seconds") or 0) > 3)
-    until(lambda: metric(api, "workers") == 1 and (metric(api, "worker_beat_age_seconds") or 9) < 3)
-
-
-def test_a_question_overruns(api: httpx.Client, redis: Redis, workers: Workers) -> None:
-    """A question takes many times its estimate: `ChunksOverrun`. The log of the worker has the job and the
-    estimate."""
+def test_a_question_takes_longer_than_estimated(api: httpx.Client, redis: Redis, workers: Workers) -> None:
+    """A question in the lane of small ones takes many times its estimate: `JobsDemoted`. It is heavy from
+    then on, and the log of the worker names the job."""
     task = "tests.support.hard_tasks.endless"
-    workers.start("light", task=task, overrun_factor=0.1, overrun_floor=0.3, beat_interval=0.2)
-    JobQueue(redis, WorkerSettings(task=task)).submit(a_request("3"))
-    until(lambda: (metric(api, "chunks_overrun_total") or 0) >= 1)
-    assert re.search(r"overran.*the estimate was .* job=", workers.log.read_text())
+    workers.start("light", task=task)
+    queue = JobQueue(redis, WorkerSettings(task=task))
+    view = queue.submit(a_request("3"))
+    until(lambda: metric(api, "jobs_demoted_total", kind="cusp-table") == 1)
+    assert metric(api, "queue_depth", lane="heavy") == 1
+    assert re.search(rf"{view.id} takes longer than estimated", workers.log.read_text())
+    queue.cancel(view.id)
 
 
 def test_the_key_of_prometheus_has_not_the_scope(

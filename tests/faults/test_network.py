@@ -16,7 +16,7 @@ import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_request, ended
+from tests.support.jobs import a_heavy_document, ended
 from tests.support.processes import descendants, environment, is_running, started, until
 from tests.support.tls import Certificates, tls_front
 from worker.connection import connect
@@ -25,13 +25,7 @@ from worker.settings import WorkerSettings
 
 SECRET = "s3cret/and: more"
 PLACES = ("a", "b")
-SETTINGS = {
-    "task": "tests.support.hard_tasks.gated",
-    "beat_interval": 0.2,
-    "beat_ttl": 2,
-    "sweep_interval": 0.2,
-    "lost_grace": 0.2,
-}
+SETTINGS = {"task": "tests.support.hard_tasks.gated"}
 REDIS_TIMEOUT = "3"
 
 
@@ -83,6 +77,7 @@ def network(*places: str) -> Iterator[Network]:
             _ip("netns", "add", namespace)
             undo.callback(_ip, "netns", "del", namespace)
             _ip("link", "add", f"{tag}{place}", "type", "veth", "peer", "name", "eth0", "netns", namespace)
+            undo.callback(_ip, "link", "del", f"{tag}{place}")  # it would outlive its namespace for a moment
             _ip("link", "set", f"{tag}{place}", "master", tag, "up")
             _ip("-n", namespace, "addr", "add", f"{subnet}.{i}/24", "dev", "eth0")
             _ip("-n", namespace, "link", "set", "eth0", "up")
@@ -134,7 +129,7 @@ def site(tmp_path: Path) -> Iterator[Site]:
         variables = environment(
             **SETTINGS, redis_url=url, redis_password_file=tmp_path / "password", log_level="INFO"
         )
-        queue = JobQueue(redis, WorkerSettings.model_validate(SETTINGS))
+        queue = JobQueue(redis, WorkerSettings(**SETTINGS))
 
         def start(place: str) -> Popen[bytes]:
             before = queue.workers()
@@ -151,10 +146,10 @@ def site(tmp_path: Path) -> Iterator[Site]:
 @pytest.mark.long
 def test_the_cable_of_a_worker_is_pulled(site: Site) -> None:
     """The network between one worker and Redis fails while the worker computes, and recovers. Another worker
-    takes over within seconds; the first ends its work horse, and works again when the network recovers.
+    takes over within seconds; when the network recovers, the first ends its work horse, and works again.
     """
     first = site.start("a")
-    view = site.queue.submit(a_request("1", "2"))
+    view = site.queue.submit(a_heavy_document())
     until(lambda: site.begun() == [0])
     horse = site.horse(first)
     site.start("b")
@@ -165,7 +160,7 @@ def test_the_cable_of_a_worker_is_pulled(site: Site) -> None:
     until(lambda: not is_running(horse))
     site.open_gate()
     assert ended(site.queue, view.id).status == "succeeded"
-    assert site.begun()[2:] in ([], [1]), "no third attempt: only the slices of the second"
+    assert site.begun() == [0, 1]
     until(lambda: site.workers() == 2)
     assert first.poll() is None
 
@@ -176,7 +171,7 @@ def test_redis_is_cut_from_all_workers(site: Site) -> None:
     succeeds; no worker ends.
     """
     workers = [site.start(place) for place in PLACES]
-    view = site.queue.submit(a_request("1", "2"))
+    view = site.queue.submit(a_heavy_document())
     until(lambda: site.begun() == [0])
     for place in PLACES:
         site.network.cut(place)
@@ -195,10 +190,10 @@ def test_redis_is_cut_from_all_workers(site: Site) -> None:
 @pytest.mark.long
 def test_a_computer_is_lost(site: Site) -> None:
     """The computer of a worker is switched off while it computes. Another one takes over within seconds, and
-    the first disappears from the roster.
+    the first is no longer counted.
     """
     first = site.start("a")
-    view = site.queue.submit(a_request("1", "2"))
+    view = site.queue.submit(a_heavy_document())
     until(lambda: site.begun() == [0])
     site.start("b")
     site.network.cut("a")  # not even the closing of its connections is heard

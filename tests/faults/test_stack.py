@@ -180,8 +180,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
     group. Everything ends with it, and after the next start the running job is done, without a loss
     counted unless it was killed."""
     is_kill = number == signal.SIGKILL
-    losses = {"max_losses": 0, "max_worker_losses": 1 if is_kill else 0}
-    with running(tmp_path, workers=2, task=SLOW, **losses) as stack, stack.redis() as redis:
+    with running(tmp_path, workers=2, task=SLOW) as stack, stack.redis() as redis:
         queue = JobQueue(redis, WorkerSettings(task=SLOW))
         view = queue.submit(a_request("1"))
         until(lambda: len(stack.parts()) >= 6)  # two workers, three others and a work horse
@@ -189,7 +188,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
         os.killpg(stack.process.pid, number)
         assert stack.process.wait(PATIENCE) == (-number if is_kill else 0)
         until(lambda: not any(map(is_running, parts)))
-    with running(tmp_path, **losses) as stack, stack.redis() as redis:
+    with running(tmp_path) as stack, stack.redis() as redis:
         done = ended(JobQueue(redis), view.id)
         assert (done.run, done.status) == (view.run, "succeeded")
 

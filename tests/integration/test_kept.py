@@ -10,8 +10,6 @@ from redis import Redis
 
 from service.api.context import KeptAnswers
 from service.api.settings import Settings
-from service.client import ServiceClient
-from service.errors import ServiceError
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, Workers
@@ -103,19 +101,3 @@ def test_keys_are_asked_for_before_what_is_kept(
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as other:
         assert [other.post("/v1/poses", json=POSES).status_code for _ in range(3)] == [401] * 3
         assert other.get(first.headers["content-location"]).status_code == 401
-
-
-def test_an_answer_is_pinned_over_http(client: httpx.Client, redis: Redis) -> None:
-    first = client.post("/v1/poses", json=POSES)
-    job = first.headers["content-location"].split("/")[3]
-    with ServiceClient(str(client.base_url)) as service:
-        pinned = service.pin(job)
-        assert pinned == {"id": job, "pinned": True, "links": {"result": f"/v1/jobs/{job}/result"}}
-        for key in redis.keys("cusps:*"):
-            if redis.ttl(key) >= 0:
-                redis.delete(key)
-        assert client.get(pinned["links"]["result"]).content == first.content
-        assert service.pin(job, remove=True)["pinned"] is False
-        for unknown in (job, "po-" + 40 * "0"):
-            with pytest.raises(ServiceError, match="no pinned answer"):
-                service.pin(unknown, remove=True)

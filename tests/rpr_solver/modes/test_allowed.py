@@ -16,7 +16,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import AllowedParts
 from rpr_solver.paths import search
-from rpr_solver.paths.boxes import Boxes
+from rpr_solver.paths.boxes import Boxes, Spot
 from rpr_solver.paths.components import AllowedRegion
 from rpr_solver.paths.proofs import PathLimits
 from rpr_solver.singular.aspects import number_of_aspects
@@ -31,8 +31,10 @@ SIMILAR = Manipulator(a2x=30, a3x=0, a3y=40, d1=15, d2=25, d3=20)
 Limits = dict[int, Bounds]
 
 
-def parts_of(m: Manipulator, leg: int, length: Fraction, limits: Limits) -> AllowedParts:
-    return AllowedParts.of(SliceMap.of(m, leg), limits, (length, length), {})
+def parts_of(
+    m: Manipulator, leg: int, length: Fraction, limits: Limits, high: Fraction | None = None
+) -> AllowedParts:
+    return AllowedParts.of(SliceMap.of(m, leg), limits, (length, high or length), {})
 
 
 def random_slice(random: Random) -> tuple[Manipulator, int, Fraction]:
@@ -58,42 +60,48 @@ def test_without_limits_parts_of_random_slices_are_aspects() -> None:
     assert sum(counts_aspects(*random_slice(random)) for _ in range(60)) >= 54
 
 
-def agrees_with_a_grid(m: Manipulator, leg: int, length: Fraction, limits: Limits, size: int) -> bool:
+def agrees_with_a_grid(
+    m: Manipulator, leg: int, length: Fraction, limits: Limits, size: int, high: Fraction | None = None
+) -> bool:
     """Whether the number of parts is proved, having compared the parts with components of a grid.
 
     What the grid joins is in one part; of each part that is proved to be one, no two components are apart.
     """
-    slice_map, fixed = SliceMap.of(m, leg), float(length)
-    bounds = {k: (float(low or 0), 1e9 if high is None else float(high)) for k, (low, high) in limits.items()}
-    grid = PairGrid(m, leg, (fixed, fixed), bounds, size=size, lengths=1)
-    labels, is_proved = grid._components[0], True
-    scaled = length * slice_map.scale
+    slice_map, span = SliceMap.of(m, leg), (length, high or length)
+    bounds = {k: (float(low or 0), 1e9 if most is None else float(most)) for k, (low, most) in limits.items()}
+    grid = PairGrid(m, leg, (float(span[0]), float(span[1])), bounds, size=size, lengths=12)
+    labels, is_proved = grid._components, True
+    levels = [min(max(Fraction(level), span[0]), span[1]) for level in grid.levels.tolist()]
     for sign in (1, -1):
-        region = AllowedRegion(Boxes(slice_map, sign, PathLimits.of(slice_map, limits), scaled, scaled))
+        ends = [end * slice_map.scale for end in span]
+        region = AllowedRegion(Boxes(slice_map, sign, PathLimits.of(slice_map, limits), *ends))
         is_proved &= all(group.is_one for group in region.groups)
-        heads: dict[int, tuple[float, float]] = {}
+        heads: dict[int, Spot] = {}
         for label in (x for x in np.unique(labels) if x >= 0 and (labels == x).sum() >= 12):
             cells = np.argwhere(labels == label)
-            chosen = [(grid.angles[i], grid.angles[k]) for k, i in cells[:: max(len(cells) // 5, 1)]]
-            if grid_sign(m, leg, chosen[0], fixed) != sign:
+            chosen = [
+                (grid.angles[i], grid.angles[k], levels[n]) for n, k, i in cells[:: max(len(cells) // 5, 1)]
+            ]
+            if grid_sign(m, leg, chosen[0]) != sign:
                 continue
-            points = [(arb(alpha), arb(theta), scaled) for alpha, theta in chosen]
+            points = [(arb(a), arb(t), level * slice_map.scale) for a, t, level in chosen]
             found = {region.group_of(point) for point in points} - {None}
             [group] = found
             assert group is not None
             head = chosen[len(chosen) // 2]
             if region.groups[group].is_one and group in heads:
-                assert not are_apart(m, leg, length, limits, (heads[group], head))
+                assert not are_apart(m, leg, span, limits, (heads[group], head))
             heads.setdefault(group, head)
     return is_proved
 
 
-def grid_sign(m: Manipulator, leg: int, angles: tuple[float, float], length: float) -> int:
-    return int(np.sign(singularity(free_legs_of(m, leg), length, *angles)))
+def grid_sign(m: Manipulator, leg: int, spot: Spot) -> int:
+    alpha, theta, length = spot
+    return int(np.sign(singularity(free_legs_of(m, leg), float(length), alpha, theta)))
 
 
 def are_apart(
-    m: Manipulator, leg: int, length: Fraction, limits: Limits, ends: tuple[tuple[float, float], ...]
+    m: Manipulator, leg: int, span: tuple[Fraction, Fraction], limits: Limits, ends: tuple[Spot, ...]
 ) -> bool:
     """Whether a search for a path proves that there is none."""
     first, last = (
@@ -102,9 +110,10 @@ def are_apart(
             f"theta{leg}_deg": f"{np.degrees(theta):.9f}",
             f"l{leg}": length,
         }
-        for alpha, theta in ends
+        for alpha, theta, length in ends
     )
-    path = pose_path(m, first, last, limits=limits, fixed_leg=leg, samples=2)
+    between = None if span[0] == span[1] else span
+    path = pose_path(m, first, last, between=between, limits=limits, fixed_leg=leg, samples=2)
     return isinstance(path, NoPath) and path.obstacle is not Obstacle.UNDECIDED
 
 
@@ -132,6 +141,26 @@ def test_parts_of_random_regions_agree_with_a_grid() -> None:
     assert proved >= 50
 
 
+RANGED = Manipulator("18.2", "6.5", "7.5", "8.3", "5.1", "3.7", "cw")
+RANGE = Fraction("1.52"), Fraction("1.672")
+OF_RANGE: Limits = {1: (None, Fraction("11.2")), 3: (Fraction("7.05"), Fraction("12.07"))}
+
+
+def test_parts_in_a_range_are_proved_at_its_ends_too() -> None:
+    assert parts_of(RANGED, 2, RANGE[0], OF_RANGE, RANGE[1]).count == 2
+    assert agrees_with_a_grid(RANGED, 2, RANGE[0], OF_RANGE, 90, RANGE[1])
+
+
+@pytest.mark.long
+def test_parts_in_random_ranges_agree_with_a_grid() -> None:
+    random, proved = Random(17), 0
+    for _ in range(20):
+        m, leg, length = random_slice(random)
+        limits = random_limits(random, m, leg, length)
+        proved += agrees_with_a_grid(m, leg, length, limits, 180, length * Fraction(11, 10))
+    assert proved >= 10
+
+
 def test_a_part_along_a_straight_singular_curve_is_counted() -> None:
     m = Manipulator(a2x=10, a3x=5, a3y=8, d1=6, d2=7, d3=7)
     limits: Limits = {2: (Fraction("7.64"), Fraction("12.92")), 3: (Fraction("3.33"), Fraction("15.24"))}
@@ -148,7 +177,7 @@ def test_poses_are_in_the_parts_that_the_matrix_tells_apart() -> None:
     for part in document["allowed"]["parts"]:
         assert part["is_one"]
         alpha, theta = (radians(float(part["pose"][name])) for name in ("alpha_deg", "theta1_deg"))
-        assert grid_sign(FIRST, 1, (alpha, theta), 27) == part["sign"]
+        assert grid_sign(FIRST, 1, (alpha, theta, Fraction(27))) == part["sign"]
     [lonely] = [part for part in document["allowed"]["parts"] if not part["poses"]]
     away = pose_path(
         FIRST, lonely["pose"], {"l1": 27, "l2": 20, "l3": 20, "pose": 3}, limits={"l2": (None, 22)}

@@ -16,6 +16,7 @@ from rpr_solver.model.fibre import Closure, fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.regions import number_of_poses
 from tests.rpr_solver.long_run import manipulator as random_manipulator
+from tests.support.families import family
 from tests.support.shared import eliminant_of
 from tests.support.singular import SLICES, manipulator, traced
 
@@ -144,6 +145,22 @@ def test_regions_between_curves_that_nearly_touch_are_listed_once(name: str) -> 
 )
 def test_slivers_between_curves_that_coincide_are_no_regions(m: Manipulator, leg: int, length: int) -> None:
     assert singular_curves(m, length, fixed_leg=leg).thin_regions == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "leg", "length", "expected"),
+    [
+        ("congruent, mirrored", 3, "14.82", [6, 6, 4, 2, 2, 0, 0]),
+        ("congruent, mirrored", 2, "30.41", [6, 4, 4, 2, 2, 0]),
+        ("right angles", 3, "13.19", [6, 4, 4, 4, 4, 2, 2, 0]),
+        ("right angles", 2, "12.33", [6, 4, 4, 2, 2, 0]),
+    ],
+)
+def test_regions_that_touch_where_two_poses_close_a_leg_are_apart(
+    name: str, leg: int, length: str, expected: list[int]
+) -> None:
+    regions = trace_slice(eliminant_of(family(name), leg), length).regions
+    assert [region.poses for region in regions] == expected
 
 
 def test_a_region_narrower_than_the_tolerance_is_counted_and_listed_when_drawn_finer() -> None:

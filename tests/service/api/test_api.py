@@ -356,6 +356,25 @@ def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client)
     assert again["run"] != first["run"]
 
 
+def test_an_event_names_the_length_by_its_leg(api: httpx.Client, fresh: Fresh) -> None:
+    body = {"geometry": GEOMETRY, "fixed_leg": 2, "l2": fresh(), "digits": 15}
+    job = api.post("/v1/cusp-tables", json=body, headers=NO_WAIT).json()
+    ended(api, job["id"])
+    [found] = [data for _, name, data in read_events(api, job["id"]) if name == "slice"]
+    assert found["l2"] == found["slice"]["l2"] == body["l2"]
+    assert "l1" not in found
+
+
+def test_who_prefers_nothing_waits_briefly(api: httpx.Client, idle: httpx.Client, fresh: Fresh) -> None:
+    body = {"geometry": GEOMETRY, "l1": fresh(), "digits": 15}
+    assert idle.post("/v1/cusp-tables", json=body).status_code == 202
+    accepted = api.post("/v1/cusp-tables", json=body, headers=NO_WAIT)
+    assert accepted.headers.get("preference-applied") == "respond-async"
+    ended(api, accepted.json()["id"])
+    known = api.post("/v1/cusp-tables", json=body, headers={"Prefer": ""})
+    assert (known.status_code, "preference-applied" in known.headers) == (200, False)
+
+
 def test_a_replay_tells_the_states_as_they_were(api: httpx.Client, fresh: Callable[[], str]) -> None:
     body = {**EXAMPLE, "l1": fresh(), "digits": 15}
     job = api.post("/v1/cusp-tables", json=body, headers=NO_WAIT).json()

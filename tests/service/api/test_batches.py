@@ -288,7 +288,7 @@ class Worker:
         solver = ItemSolver(self.queue.store)
         outcome = solver.solve(request)
         solver.keep()
-        attempts.put_items(ref, -1, {position: outcome})
+        attempts.put_items(ref, -1, {position: outcome}, {})
 
 
 def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, idle_redis: Redis) -> None:
@@ -422,6 +422,12 @@ def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: R
         idle.post("/v1/batches", content=body(), headers={**NDJSON, "Idempotency-Key": "gone"})
     until(lambda: not idle_redis.keys("cusps:submission:*"))
     assert idle_redis.keys("cusps:job*") == []
+
+
+def test_a_replay_says_that_it_is_one(idle: httpx.Client) -> None:
+    key = {**NDJSON, "Idempotency-Key": "sent-twice"}
+    answers = [idle.post("/v1/batches", content=lines(poses(15)), headers=key) for _ in range(2)]
+    assert [answer.headers.get("idempotent-replayed") for answer in answers] == [None, "true"]
 
 
 def test_another_process_serves_the_batch(valkey: EmbeddedValkey, idle_redis: Redis) -> None:
