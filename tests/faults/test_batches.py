@@ -241,12 +241,11 @@ def part_of(stack: Stack, part: str) -> int | None:
 
 
 def test_the_api_is_killed_while_it_receives_a_batch(tmp_path: Path) -> None:
-    """The API is killed while it receives a batch. No batch is made, and what was received of it goes after
+    """The API is killed while it receives a batch. No batch is made, and its key is free again after
     two minutes. The same batch, sent again with its key, is answered as a whole.
     """
-    count, keys = 800, Keys.of(WorkerSettings())
+    count, keys = 200, Keys.of(WorkerSettings())
     headers = {"Content-Type": "application/x-ndjson", "Idempotency-Key": "again"}
-    items = keys.job("*").items
     with (
         running(tmp_path / "data", workers=1, log_level="CRITICAL") as stack,
         stack.redis() as redis,
@@ -256,17 +255,15 @@ def test_the_api_is_killed_while_it_receives_a_batch(tmp_path: Path) -> None:
         def broken() -> Iterator[bytes]:
             for number, line in enumerate(small_items(count)):
                 yield line.replace(b"\n", b" " * 1000 + b"\n")
-                if number == 700:  # they are kept in groups of 500
-                    until(lambda: redis.keys(items))
+                if number == 150:
+                    until(lambda: redis.keys("*submission*"))
                     kill(stack, "api_process")
 
         with pytest.raises(httpx.TransportError):
             client.post("/v1/batches", content=broken(), headers=headers)
-        left = [*redis.keys(items), *redis.keys("*submission*")]
-        assert len(left) == 2
-        for key in left:
-            assert 0 < redis.ttl(key) <= INTAKE_TTL
-            redis.delete(key)  # its time is over
+        [key] = redis.keys("*submission*")
+        assert 0 < redis.ttl(key) <= INTAKE_TTL
+        redis.delete(key)  # its time is over
         assert not redis.exists(keys.active)
         assert client.get("/v1/batches").json()["items"] == []
         answer = client.post("/v1/batches", content=b"".join(small_items(count)), headers=headers)
@@ -316,7 +313,7 @@ def test_each_process_is_killed_during_a_batch(tmp_path: Path) -> None:
         reader.read()
         assert [result["index"] for result in reader.results] == list(range(count))
         assert all(map(is_right, reader.results[::23]))
-        until(lambda: client.get(batch["links"]["self"]).json()["status"] == "succeeded")
+        until(lambda: client.get(batch["links"]["self"]).json()["status"] == "completed")
         state = client.get(batch["links"]["self"]).json()
         assert (state["succeeded"], state["failed"]) == (count, 0)
         whole = [json.loads(line) for line in client.get(batch["links"]["results"]).text.splitlines()]
