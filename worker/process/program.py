@@ -9,8 +9,8 @@ import signal
 import threading
 import time
 
-import rq
 from redis.exceptions import RedisError
+from rq.version import VERSION
 
 from worker import tracing
 from worker.connection import Search, UnreachableError, connect, eviction_warning
@@ -44,8 +44,8 @@ def run_worker(
         ValidationError: a setting is invalid.
         WorkerError: Redis cannot be used, and will not be by waiting; or RQ is of another version.
     """
-    if not rq.VERSION.startswith(f"{_RQ}."):
-        raise WorkerError(f"the worker needs RQ {_RQ}, and RQ {rq.VERSION} is installed")
+    if not VERSION.startswith(f"{_RQ}."):
+        raise WorkerError(f"the worker needs RQ {_RQ}, and RQ {VERSION} is installed")
     settings = WorkerSettings()
     level = (settings.log_level or "INFO").upper()
     set_up(level, settings.log_format)

@@ -173,6 +173,6 @@ def test_an_idle_installation_asks_redis_little(redis: Redis, workers: Workers) 
 
 
 def test_another_version_of_rq_is_refused(valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rq.VERSION", "3.0.0")
+    monkeypatch.setattr("worker.process.program.VERSION", "3.0.0")
     with pytest.raises(WorkerError, match=r"needs RQ 2\.12, and RQ 3\.0\.0 is installed"):
         run_worker(valkey.url)
