@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -20,11 +21,9 @@ from tests.support.processes import (
 )
 from worker.answers.kind import JobRequest
 from worker.jobs.queue import JobQueue
+from worker.jobs.records import Client
 from worker.jobs.view import JobView
 from worker.settings import WorkerSettings
-
-SHORT = {"beat_interval": 0.2, "beat_ttl": 2, "sweep_interval": 0.2, "lost_grace": 0.2}
-
 
 both_kinds = pytest.mark.parametrize(
     "request_",
@@ -35,10 +34,10 @@ both_kinds = pytest.mark.parametrize(
 )
 
 
-def jobs(redis: Redis, task: str = "", **settings: object) -> JobQueue:
+def jobs(redis: Redis, task: str = "") -> JobQueue:
     """The queue as an API process sees it; with `task`, its chunks run one of the hard tasks."""
     name = f"tests.support.hard_tasks.{task}" if task else "worker.process.tasks.run_chunk"
-    return JobQueue(redis, WorkerSettings.model_validate({"task": name, **settings}))
+    return JobQueue(redis, WorkerSettings(task=name))
 
 
 def is_at_work(queue: JobQueue, view: JobView) -> bool:
@@ -48,7 +47,7 @@ def is_at_work(queue: JobQueue, view: JobView) -> bool:
 
 def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
     """Nothing fails. The job succeeds, the workers log nothing, and RQ keeps its part for a minute."""
-    workers.start(shutdown_grace=PATIENCE / 2)  # the job succeeds a moment before its horse ends
+    workers.start()
     queue = jobs(redis)
     request = a_request("14.98", "0.5", "27")
     view = ended(queue, queue.submit(request).id)
@@ -119,7 +118,7 @@ def test_a_document_whose_horse_dies_each_time_fails(
     """A document's work horse crashes, is killed, leaves or runs out of memory at every attempt. The job
     fails with the reason; the worker continues.
     """
-    worker = workers.start(max_losses=1, memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
+    worker = workers.start(memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(a_document()).id)
     assert view.error is not None
@@ -135,7 +134,7 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     """One slice's work horse crashes, is killed, leaves or runs out of memory at every attempt. That slice is
     an error in the table; the others are computed, and no stored slice is computed twice.
     """
-    worker = workers.start(max_losses=1, memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
+    worker = workers.start(memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(a_request("1", "2", "13", "3")).id)
     assert (view.status, view.done) == ("succeeded", 4)
@@ -151,12 +150,12 @@ def test_what_ends_a_work_horse_ends_one_chunk(redis: Redis, workers: Workers, t
     """A work horse that has run chunks of other jobs crashes, meets an unexpected error or the deadline, or
     its job is canceled. That ends one chunk; another work horse runs the next ones.
     """
-    worker = workers.start(max_losses=0, deadline_seconds=PATIENCE if task == "canceled" else 1)
+    worker = workers.start(deadline_seconds=PATIENCE if task == "canceled" else 1)
 
     def horse_after(l1: str) -> list[int]:
         queue = jobs(redis)
         assert ended(queue, queue.submit(a_pose_table(l1)).id).status == "succeeded"
-        until(lambda: not redis.keys("*:beat:*"))
+        until(lambda: [redis.hget(key, "state") for key in redis.keys("rq:worker:*")] == [b"idle"])
         return descendants(worker.pid)
 
     first = horse_after("14")
@@ -183,14 +182,14 @@ def test_a_work_horse_or_its_worker_is_killed_between_two_chunks(
     """A work horse that waits for its next chunk is killed, or its worker is. No work horse outlives its
     worker; the next chunk runs in another one, without a loss counted.
     """
-    worker = workers.start(max_losses=0, max_worker_losses=0)
+    worker = workers.start()
     queue = jobs(redis)
     assert ended(queue, queue.submit(a_pose_table("14")).id).status == "succeeded"
     (horse,) = descendants(worker.pid)
     os.kill(horse if victim == "horse" else worker.pid, signal.SIGKILL)
     until(lambda: not is_running(horse))
     if victim == "worker":
-        workers.start(max_losses=0, max_worker_losses=0)
+        workers.start()
     assert ended(queue, queue.submit(a_pose_table("15")).id).status == "succeeded"
     assert not redis.hexists(queue.records.keys.ends, "lost:horses")
 
@@ -246,18 +245,19 @@ def test_another_worker_takes_over_from_a_dead_one(
     redis: Redis, workers: Workers, request_: JobRequest
 ) -> None:
     """A worker is killed while it computes. Its work horse ends with it; another worker computes the rest."""
-    settings = {"task": "tests.support.hard_tasks.slow_once", "sweep_interval": 0.2, "lost_grace": 0.2}
-    settings["max_losses"] = 0  # it is not the chunk's fault
-    first = workers.start(**settings)
+    task = "tests.support.hard_tasks.slow_once"
+    first = workers.start(task=task)
     queue = jobs(redis, "slow_once")
     view = queue.submit(request_)
     until(lambda: is_at_work(queue, view))
-    second = workers.start(**settings)
+    second = workers.start(task=task)
     (horse,) = descendants(first.pid)
     first.kill()
     first.wait(PATIENCE)
+    start = time.monotonic()
     until(lambda: not is_running(horse))  # no orphan is left
     assert ended(queue, view.id).status == "succeeded"
+    assert time.monotonic() - start < 30  # 5 to 9 s on an idle machine
     assert second.poll() is None
 
 
@@ -266,15 +266,15 @@ def test_a_worker_that_stalled_gives_way(redis: Redis, workers: Workers, request
     """A worker is stopped by SIGSTOP and later continued. Another one takes over; the first ends its work
     horse, and progress never runs backwards.
     """
-    settings = {**SHORT, "task": "tests.support.hard_tasks.gated"}
-    first = workers.start(**settings)
+    task = "tests.support.hard_tasks.gated"
+    first = workers.start(task=task)
     queue = jobs(redis, "gated")
     view = queue.submit(request_)
     until(lambda: redis.llen("begun") == 1)
     (horse,) = descendants(first.pid)
     first.send_signal(signal.SIGSTOP)
     try:
-        second = workers.start(**settings)
+        second = workers.start(task=task)
         until(lambda: redis.llen("begun") == 2)
     finally:
         first.send_signal(signal.SIGCONT)
@@ -297,7 +297,7 @@ def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_
     """A worker is stopped (SIGTERM) while it computes. Its chunk returns to the queue, and no loss is
     counted.
     """
-    first = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
+    first = workers.start(task="tests.support.hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
     view = queue.submit(request_)
     until(lambda: is_at_work(queue, view))
@@ -312,7 +312,7 @@ def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_
 
 def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers) -> None:
     """A worker is stopped (SIGINT) shortly before its chunk is done. It finishes the chunk."""
-    worker = workers.start(shutdown_grace=PATIENCE)
+    worker = workers.start()
     queue = jobs(redis, "slow")
     view = queue.submit(a_request("1", "2", "3", "4"))
     until(lambda: is_at_work(queue, view))
@@ -352,7 +352,7 @@ def test_no_job_hangs_when_redis_loses_a_key(
 
 def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
     """A stopping worker receives a second signal. It puts its chunk back at once and ends."""
-    worker = workers.start(shutdown_grace=60)
+    worker = workers.start()
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
     until(lambda: is_at_work(queue, view))
@@ -410,6 +410,30 @@ def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
     assert workers.log.read_text() == ""
 
 
+def test_the_last_key_ends_a_call_of_c(redis: Redis, workers: Workers) -> None:
+    """Two keys ask one question, which hangs in C code. One withdraws, and it goes on; the other does, and
+    its work horse ends within a second.
+    """
+    worker = workers.start()
+    queue = jobs(redis, "endless")
+    one, other = (Client(f"key:{name}", is_known=True) for name in "ab")
+    view = queue.submit(a_request("1"), by=one)
+    assert queue.submit(a_request("1"), by=other).run == view.run
+    until(lambda: is_at_work(queue, view))
+    (horse,) = descendants(worker.pid)
+    queue.withdraw(view.id, one)
+    time.sleep(1)
+    assert is_at_work(queue, view)
+    assert is_running(horse)
+    queue.withdraw(view.id, other)
+    start = time.monotonic()
+    until(lambda: not is_running(horse))
+    assert time.monotonic() - start < 5  # 1 on an idle machine
+    now = queue.get(view.id)
+    assert now is not None
+    assert now.status == "canceled"
+
+
 def test_a_queued_job_that_is_canceled_never_runs(redis: Redis, workers: Workers) -> None:
     """A queued job is canceled. No worker runs it."""
     queue = jobs(redis)
@@ -429,9 +453,9 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
     for _ in range(2):
         workers.start()
     request = a_request(*map(str, range(1, 13)))
-    queue = jobs(redis, "slow", chunk_size=4)
+    queue = jobs(redis, "slow")
     with ThreadPoolExecutor(8) as pool:
-        views = list(pool.map(lambda _: jobs(redis, "slow", chunk_size=4).submit(request), range(8)))
+        views = list(pool.map(lambda _: jobs(redis, "slow").submit(request), range(8)))
     assert len({view.run for view in views}) == 1
     assert ended(queue, request.job_id).status == "succeeded"
     events = redis.xrange(queue.records.keys.job(request.job_id).events)
@@ -450,16 +474,20 @@ def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: 
     ended(queue, queue.submit(second).id)
     one, two = table_of(queue, first.job_id), table_of(queue, second.job_id)
     assert one["slices"][1:] == two["slices"][:2]
-    assert two["slices"][2]["certificate"] != one["slices"][0]["certificate"]
+    assert queue.records.known_before(second.job_id) == ["2", "3"]
+    assert [s["l1"] for s in two["slices"]] == ["2", "3", "4"]
 
 
 def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) -> None:
-    """Three workers start on one geometry at once. One eliminates, and the others use its eliminant."""
+    """Three workers start on three tables of one geometry at once. One eliminates, and the others use its
+    eliminant.
+    """
     for _ in range(3):
-        workers.start(beat_ttl=1000)  # a computer may be so busy that a lock would end before its renewal
-    queue = jobs(redis, "counted", chunk_size=5)
-    request = a_request(*map(str, range(14, 29)))
-    assert ended(queue, queue.submit(request).id).status == "succeeded"
+        workers.start()
+    queue = jobs(redis, "counted")
+    tables = [[f"{14 + i + k / 4}" for i in range(15)] for k in range(3)]
+    views = [queue.submit(a_request(*l1)) for l1 in tables]
+    assert {ended(queue, view.id).status for view in views} == {"succeeded"}
     assert redis.get("eliminations") == b"1"
 
 

@@ -11,9 +11,10 @@ from redis import Redis
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended
+from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended, submit_batch
 from tests.support.processes import PATIENCE, Workers, until
 from tests.support.service_server import GEOMETRY, NO_WAIT, serving
+from worker.answers.kinds import Item
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -34,7 +35,7 @@ def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, w
     """Heavy questions arrive at two workers. One worker is reserved for short work, and small questions are
     answered at once."""
     queue = blocking(redis)
-    workers.start_odd("worker", "--duty", "light")
+    workers.start("light")
     workers.start()
     heavy = [queue.submit(a_heavy_document(digits)).id for digits in (30, 31, 32)]
     until(lambda: redis.llen("begun") == 1)
@@ -56,11 +57,11 @@ def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, w
 def test_all_workers_share_a_search_and_short_work_passes_it(
     valkey: EmbeddedValkey, redis: Redis, workers: Workers
 ) -> None:
-    """A search is shared by two workers, one of them reserved for short work. Small questions and those of
-    several short chunks are answered beside it."""
+    """A search is shared by two of three workers; the third is reserved for short work. Small questions are
+    answered beside it."""
     queue = blocking(redis)
-    workers.start_odd("worker", "--duty", "light")
-    workers.start()
+    for duty in ("light", "all", "all"):
+        workers.start(duty)
     search = queue.submit(a_design()).id
     until(lambda: redis.llen("begun") == 2)
     with (
@@ -79,21 +80,19 @@ def test_all_workers_share_a_search_and_short_work_passes_it(
     redis.set("gate", "open")
 
 
-def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> None:
-    """Heavy and long jobs arrive at one worker. It serves both in turns, and neither starves."""
+def test_a_lone_worker_serves_all_lanes_in_their_order(redis: Redis, workers: Workers) -> None:
+    """A batch, a heavy and a small question wait for one worker. It takes the small one first, the batch
+    last."""
     queue = blocking(redis)
-    table = queue.submit(a_request(*map(str, range(1, 201)))).id
-    censuses = [queue.submit(a_heavy_document(digits)).id for digits in (30, 31, 32)]
     redis.set("gate", "open")
+    batch = submit_batch(queue, [Item(None, a_request("3"))]).id
+    heavy = queue.submit(a_heavy_document()).id
+    small = queue.submit(a_request("1")).id
     workers.start()
-    assert {ended(queue, job).status for job in censuses} == {"succeeded"}
-    ends = [queue.get(job) for job in censuses]
-    assert ended(queue, table).status == "succeeded"
-    last = max(view.ended_at or "" for view in ends if view is not None)
-    done = queue.get(table)
-    assert done is not None
-    assert done.started_at is not None
-    assert done.started_at < last
+    ends = [ended(queue, job) for job in (small, heavy, batch)]
+    assert {view.status for view in ends} == {"succeeded"}
+    starts = [view.started_at or "" for view in ends]
+    assert starts == sorted(starts)
 
 
 def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis: Redis) -> None:
@@ -101,7 +100,7 @@ def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis
     is queued."""
     body = {"geometry": EXTREME, "l1": "1e-200", "digits": 15}
     with (
-        serving(Settings(redis_url=valkey.url, limits=Limits(max_cost_seconds=8))) as url,
+        serving(Settings(redis_url=valkey.url, limits=Limits(max_cost_seconds=6))) as url,
         httpx.Client(base_url=url, timeout=PATIENCE) as client,
     ):
         answers = [client.post("/v1/cusp-tables", json={**body, "digits": digits}) for digits in (15, 16)]
@@ -114,7 +113,7 @@ def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis
 def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) -> None:
     """Two hundred new questions arrive at once. As many as the queue holds are accepted; the others get 503
     with the time after which to try again."""
-    each = JobQueue(redis).plan(a_request("1"), 1).seconds
+    each = JobQueue(redis).plan(a_request("1"), [0]).seconds
     room = WorkerSettings().max_backlog_seconds
     redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 40.5 * each)))
     with (
@@ -138,7 +137,7 @@ def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, wo
     """A job is not done by the deadline of its request, running or queued. It fails with `timeout`; its work
     horse ends, and the worker continues."""
     queue = blocking(redis)
-    workers.start(sweep_interval=0.2)
+    workers.start()
     running = queue.submit(a_request("1"), deadline_seconds=1.5)
     until(lambda: redis.llen("begun") == 1)
     waiting = queue.submit(a_request("2"), deadline_seconds=0.5)
@@ -159,7 +158,7 @@ def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, wo
 def test_the_most_patient_client_counts(redis: Redis, workers: Workers) -> None:
     """Two clients share a job, with different deadlines. It continues until the later one."""
     queue = blocking(redis)
-    workers.start(sweep_interval=0.1)
+    workers.start()
     job = queue.submit(a_request("1"), deadline_seconds=0.6).id
     queue.submit(a_request("1"), deadline_seconds=60)
     time.sleep(1.2)

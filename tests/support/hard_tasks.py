@@ -20,6 +20,8 @@ from worker.answers.kinds import KINDS
 from worker.answers.store import ResultStore
 from worker.process import tasks
 
+_KEEP = ResultStore.put_eliminant  # itself: a work horse performs several tasks
+
 
 def stuck() -> None:
     """One C call that does not return and holds the interpreter's lock, so that no signal is handled.
@@ -85,11 +87,10 @@ def slow(*chunk: Any) -> None:
 
 def counted(*chunk: Any) -> None:
     """Counts how often the coefficients of an eliminant are computed and kept."""
-    keep = ResultStore.put_eliminant
 
     def count(store: ResultStore, request: JobRequest, eliminant: rpr_solver.Eliminant) -> None:
         store.redis.incr("eliminations")
-        keep(store, request, eliminant)
+        _KEEP(store, request, eliminant)
 
     _put(ResultStore, put_eliminant=count)
     tasks.run_chunk(*chunk)

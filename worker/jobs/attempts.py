@@ -14,7 +14,7 @@ from redis.client import Pipeline
 
 from worker.answers import JobRequest, SliceJson
 from worker.answers.designs import answered
-from worker.answers.kinds import Item, Outcome, item_from_json, request_from_json
+from worker.answers.kinds import Item, Outcome, as_kept, item_from_json, request_from_json
 from worker.answers.layout import dump
 from worker.answers.store import LOCK_SECONDS, ResultStore, packed
 from worker.jobs.chunks import ChunkEntry, ChunkRef, entry_from_json
@@ -130,14 +130,20 @@ class Attempts(InRedis):
             return True
         parts: list[Any] = []
         for position, name, value in zip(positions, names, values, strict=True):
-            parts += [position, name, packed(value) if "error" in value else "", 0]
+            parts += [position, name, packed(value) if "error" in value else "", 0, ""]
         return self._put(ref, "slice", parts, is_last=chunk.last in positions)
 
-    def put_items(self, ref: ChunkRef, last: int, outcomes: Mapping[int, Outcome]) -> bool:
-        """Count items of a batch, whose answers are kept; returns whether more are wanted."""
+    def put_items(
+        self, ref: ChunkRef, last: int, outcomes: Mapping[int, Outcome], items: Mapping[int, Item]
+    ) -> bool:
+        """Count items of a batch, whose answers are kept; returns whether more are wanted.
+
+        Of a long one in `items` only the hash is kept from now on.
+        """
         parts: list[Any] = []
         for position, outcome in outcomes.items():
-            parts += [position, position, outcome.to_json(), int(outcome.failure is not None)]
+            kept = _shortened(items.get(position))
+            parts += [position, position, outcome.to_json(), int(outcome.failure is not None), kept]
         return self._put(ref, "item", parts, is_last=last in outcomes)
 
     def close(self, ref: ChunkRef) -> None:
@@ -222,6 +228,13 @@ def _entry_of(ref: ChunkRef, raw: bytes | None) -> ChunkEntry | None:
     """Returns how the chunk of an attempt stands; None if it is done, or another attempt has begun."""
     entry = entry_from_json(raw) if raw else None
     return entry if entry is not None and entry.attempt == ref.attempt else None
+
+
+def _shortened(item: Item | None) -> str:
+    """Returns what is kept of a long item; empty if it is kept as it is."""
+    if item is None or item.request is None or (kept := as_kept(item.request)) is item.request:
+        return ""
+    return replace(item, request=kept).to_json()
 
 
 def is_done(bits: bytes, position: int) -> bool:

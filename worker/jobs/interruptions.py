@@ -141,7 +141,7 @@ class Interruptions(InRedis):
         if request.kind.by_items:
             what = f"item {at}"
             failure = {"type": cause.kind, "detail": cause.detail}
-            self.attempts.put_items(ref, entry.last, {at: Outcome(failure)})
+            self.attempts.put_items(ref, entry.last, {at: Outcome(failure)}, {})
         elif request.kind.by_slices and entry.is_begun and cause.why != "timeout":
             what = f"slice {request.parts[at]}"
             error = slice_error(request, request.parts[at], cause.kind, cause.detail)

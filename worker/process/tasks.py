@@ -226,10 +226,11 @@ def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> Iterator[SliceJs
 
 
 def _answer_items(own: Context, ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> None:
+    items = attempts.items(ref, chunk)
     asked = {
         position: item.request
-        for position, item in attempts.items(ref, chunk).items()
-        if item.request is not None
+        for position, item in items.items()
+        if item.request is not None and not item.request.is_cut  # of one that is done, if it is requeued
     }
     solver, left = ItemSolver(attempts.store, asked.values()), [*asked]
     is_single = chunk.entry.is_single
@@ -240,7 +241,7 @@ def _answer_items(own: Context, ref: ChunkRef, chunk: Chunk, attempts: Attempts)
         del left[: len(outcomes)]
         errors = [error for outcome in outcomes for error in outcome.errors]
         own.is_sound = own.is_sound and not any(map(_is_unforeseen, errors))
-        return not chunk.counts or attempts.put_items(ref, chunk.last, done)
+        return not chunk.counts or attempts.put_items(ref, chunk.last, done, items)
 
     def outcome_of(position: int, request: JobRequest) -> Outcome:
         if is_single and own.is_horse:

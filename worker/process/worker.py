@@ -31,6 +31,7 @@ from rq.timeouts import BaseDeathPenalty
 from rq.worker import WorkerStatus
 
 from rpr_solver.errors import InputError, SolverError
+from worker.answers.kinds import is_batch
 from worker.connection import address, patient
 from worker.jobs.chunks import KEPT_SECONDS, ChunkQueue, ChunkRef, ref_of
 from worker.jobs.interruptions import Cause, Interruptions
@@ -288,7 +289,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
 
         One that was not is of a job that has ended, of which somebody has requeued a chunk.
         """
-        horse, start = self._stable.horse, time.monotonic()
+        horse, start, limit = self._stable.horse, time.monotonic(), _seconds_of(job, ref) + _PATIENCE
         assert horse is not None, "it has an order"
         ended_for, next_beat = "", start + BEAT_SECONDS
         while not self._wait_for(horse, min(next_beat, self._stop_at)):
@@ -300,7 +301,7 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
                 next_beat = time.monotonic() + BEAT_SECONDS
                 if not self._is_wanted(job, ref) and counts:
                     reason = "canceled"
-                elif time.monotonic() - start > (job.timeout or 0) + _PATIENCE:
+                elif time.monotonic() - start > limit:
                     reason = "timeout"
             if ended_for := ended_for or reason:
                 horse.kill()
@@ -428,6 +429,12 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
             os.write(self._writer, b"w")
         if not self._is_busy:
             raise StopWhileIdle
+
+
+def _seconds_of(job: Job, ref: ChunkRef) -> float:
+    """Returns the seconds that a chunk may take: of a batch, each of its items may take a whole deadline."""
+    first, last = job.args[4:]
+    return float(job.timeout or 0) * (last + 1 - first if is_batch(ref.job_id) else 1)
 
 
 def _cause(status: int, ended_for: str, job: Job, settings: WorkerSettings) -> Cause:

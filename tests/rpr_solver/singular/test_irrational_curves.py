@@ -7,7 +7,7 @@ from typing import Any
 import mpmath as mp
 import pytest
 
-from rpr_solver import Manipulator, SingularCurves, poses, singular_curves
+from rpr_solver import Manipulator, SingularCurves, aspects, poses, singular_curves
 from tests.support.triangle_oracle import Waves, corners_of
 
 ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
@@ -62,6 +62,6 @@ def test_regions_count_poses(row: dict[str, Any]) -> None:
 def test_the_aspects_of_a_range_are_those_of_its_slices(row: dict[str, Any]) -> None:
     """Of a short range without a transition."""
     manipulator, length = Manipulator.from_json(row["geometry"]), row["l1"]
-    aspects = singular_curves(manipulator, length).aspects
+    of_slice = singular_curves(manipulator, length).aspects
     found = aspects(manipulator, length, f"{length}00001" if "." in length else f"{length}.00001")
-    assert sorted(x.sign for x in found) == sorted(x.sign for x in aspects)
+    assert sorted(x.sign for x in found) == sorted(x.sign for x in of_slice)

@@ -288,7 +288,7 @@ class Worker:
         solver = ItemSolver(self.queue.store)
         outcome = solver.solve(request)
         solver.keep()
-        attempts.put_items(ref, -1, {position: outcome})
+        attempts.put_items(ref, -1, {position: outcome}, {})
 
 
 def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, idle_redis: Redis) -> None:

@@ -91,7 +91,7 @@ def test_a_table_is_for_a_batch(head: str) -> None:
 def test_in_the_place_of_a_table(name: str) -> None:
     content, what, instead = FILES[name]
     with pytest.raises(ProblemError) as caught:
-        [*Rows().feed(content + b"\n")]
+        [*Rows(io.BytesIO(content + b"\n"), 1 << 20, lambda _: None)]
     assert what in caught.value.detail
     assert instead in caught.value.detail
 
