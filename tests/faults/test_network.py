@@ -77,6 +77,7 @@ def network(*places: str) -> Iterator[Network]:
             _ip("netns", "add", namespace)
             undo.callback(_ip, "netns", "del", namespace)
             _ip("link", "add", f"{tag}{place}", "type", "veth", "peer", "name", "eth0", "netns", namespace)
+            undo.callback(_ip, "link", "del", f"{tag}{place}")  # it would outlive its namespace for a moment
             _ip("link", "set", f"{tag}{place}", "master", tag, "up")
             _ip("-n", namespace, "addr", "add", f"{subnet}.{i}/24", "dev", "eth0")
             _ip("-n", namespace, "link", "set", "eth0", "up")

@@ -173,8 +173,8 @@ def test_a_job_is_asked_for_at_the_api_of_another_version(redis: Redis, sides: t
     for of in sides:
         of.workers.start()
     for of, asked in ((first, batch), (second, again)):
-        here = asked["links"]["self"]
-        until(lambda of=of, here=here: of.api.get(here).json()["status"] == "succeeded")  # type: ignore[misc]
+        done = until(lambda of=of, url=asked["links"]["self"]: end_of(of.api.get(url)))  # type: ignore[misc]
+        assert done["status"] == "completed", done
         line = of.api.get(asked["links"]["results"]).json()
         assert line["result"] == answer_to(question(1, 2), of.version)
     assert ended(first.api, job["id"])["status"] == "succeeded"
@@ -191,6 +191,12 @@ def made(answer: httpx.Response) -> dict[str, Any] | None:
     assert answer.status_code in (202, 409), answer.text
     found: dict[str, Any] = answer.json()
     return found if answer.status_code == 202 else None
+
+
+def end_of(answer: httpx.Response) -> dict[str, Any] | None:
+    """Returns a batch that has ended."""
+    found: dict[str, Any] = answer.json()
+    return None if found["status"] in ("queued", "running") else found
 
 
 def is_busy_or_done(redis: Redis, of: Side) -> bool:

@@ -134,9 +134,9 @@ def _census_cost(size: Sizes) -> float:
 CENSUS = Kind("census", "ce-", census, _census_cost, derive=derive, measure=_measure_census)
 
 
-_CENSUSES = 4
+_CENSUSES = 2
 """Censuses and slices of other geometries, in the search for a counter-example."""
-_MARGIN_BOXES_SECONDS = 2.0
+_MARGIN_BOXES_SECONDS = 0.8
 
 
 def margin(request: JobRequest, _store: Store, progress: Progress) -> Document:

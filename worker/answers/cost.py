@@ -78,6 +78,7 @@ class Sizes:
         limited: how many slices are subdivided within joint limits.
         nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
             quite.
+        alikeness: bits by which they nearly are congruent or similar, corner by corner, but not quite.
         is_slice: whether a picture shows one slice or joint vector, rather than all lengths.
         is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
             one by one.
@@ -95,6 +96,7 @@ class Sizes:
     limited: int = 0
     deviations: int = 0
     nearness: int = 0
+    alikeness: int = 0
     objects: int = 0
     is_slice: bool = True
     is_special: bool = False
@@ -109,6 +111,7 @@ class _GeometrySizes:
     geometry: int
     scales: Sequence[int]
     nearness: int
+    alikeness: int
     is_special: bool
 
 
@@ -131,6 +134,7 @@ def sizes_of(content: Mapping[str, Any], manipulator: Callable[[], Manipulator])
         digits=int(content["digits"]),
         count=_count(content),
         nearness=own.nearness,
+        alikeness=own.alikeness,
         is_special=own.is_special,
         fineness=_fineness(content.get("tolerance")),
         objects=texts.count(None),
@@ -145,9 +149,9 @@ def _of_lengths(geometry: Mapping[str, str]) -> _GeometrySizes:
     a2x, a3x, a3y, d1, d2, d3 = whole
     base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
     height = _bits_lost(a3y, max(map(abs, whole[:3])))
-    nearness, is_special = _shape(base, (d1**2, d2**2, d3**2), height, is_flat=not a3y)
+    shape = _shape(base, (d1**2, d2**2, d3**2), height, is_flat=not a3y)
     scales = [above.bit_length() - below.bit_length() for above, below in sides if above]
-    return _GeometrySizes((max(bits) + 2 * sum(bits) // len(sides)) // 3, scales, nearness, is_special)
+    return _GeometrySizes((max(bits) + 2 * sum(bits) // len(sides)) // 3, scales, *shape)
 
 
 def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
@@ -162,7 +166,7 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
     a, b, c = base = (whole[0], whole[1], whole[2])
     area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
     height = _bits_lost(area, max(base) ** 2) // 2
-    nearness, is_special = _shape(base, (whole[3], whole[4], whole[5]), height, is_flat=not area)
+    shape = _shape(base, (whole[3], whole[4], whole[5]), height, is_flat=not area)
     scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares if above]
     field, frame = 0, None
     if max(map(abs, whole)).bit_length() <= _FOUND_QUICKLY:
@@ -177,7 +181,7 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
         parts = _integers([x.as_integer_ratio() for x in numbers])
     bits = [abs(x).bit_length() for x in parts if x]
     own = (max(bits) + 2 * sum(bits) // len(bits)) // 3 + field
-    return _GeometrySizes(max(1, own // _OF_ROOTS), scales, nearness, is_special)
+    return _GeometrySizes(max(1, own // _OF_ROOTS), scales, *shape)
 
 
 def _integers(numbers: Sequence[tuple[int, int]]) -> list[int]:
@@ -309,8 +313,9 @@ Squares = tuple[int, int, int]
 """The squares of the sides of a triangle."""
 
 
-def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> tuple[int, bool]:
-    """Bits by which the triangles nearly are flat, equilateral, congruent or similar; whether they are.
+def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> tuple[int, int, bool]:
+    """Bits by which the triangles nearly are flat, equilateral, congruent or similar; those of the last two,
+    corner by corner; whether they are flat or similar.
 
     `height`: the bits by which the base nearly is flat.
 
@@ -326,24 +331,26 @@ def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> t
         equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
         right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
         most = max(most, equal[1], equal[2] // 2, right // 2)
-    alike, are_similar = _alike(base, platform)
-    return max(most, alike), is_flat or not area or are_similar
+    alike, partly, are_similar = _alike(base, platform)
+    return max(most, alike, partly), alike, is_flat or not area or are_similar
 
 
-def _alike(base: Squares, platform: Squares) -> tuple[int, bool]:
-    """Bits by which two triangles nearly are congruent or similar; whether they are similar."""
-    most = 0
+def _alike(base: Squares, platform: Squares) -> tuple[int, int, bool]:
+    """Bits by which two triangles nearly are congruent or similar, corner by corner; those by which they are
+    in some sides, or but for the names of the corners; whether they are similar."""
+    alike = partly = 0
     pairs = list(zip(base, platform, strict=True))
     turned = pairs[1:] + pairs[:1]
     crossed = [(x * w - y * z, max(x * w, y * z)) for (x, z), (y, w) in zip(pairs, turned, strict=True)]
     for forms in ([(x - y, max(x, y)) for x, y in pairs], crossed):
         lost = [_bits_lost(x, size) for x, size in forms if x]
-        most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
+        partly = max(partly, max(lost, default=0) // 2)
+        alike = max(alike, min(lost, default=0))
     apart = [[_bits_lost(x - y, max(x, y)) if x != y else inf for y in platform] for x in base]
-    for i, j, k in permutations(range(3)):  # congruent, but for the names of the corners
+    for i, j, k in permutations(range(3)):
         least = min(apart[0][i], apart[1][j], apart[2][k])
-        most = max(most, int(least) if least < inf else 0)
-    return most, not any(x for x, _ in crossed)
+        partly = max(partly, int(least) if least < inf else 0)
+    return alike, partly, not any(x for x, _ in crossed)
 
 
 def _bits_lost(x: int, size: int) -> int:

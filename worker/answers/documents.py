@@ -31,6 +31,7 @@ from worker.answers.cost import (
     all_events,
     digits_of_bits,
     elimination,
+    elimination_at_one,
     exact_bits,
     one_slice,
 )
@@ -161,12 +162,12 @@ def _poses_cost(size: Sizes) -> float:
 def _singular_cost(size: Sizes) -> float:
     """The slice, the sweep, a sextic for each region, and the drawing."""
     drawing = 0.08 + 8e-4 * size.fineness
-    return drawing + elimination(size) + 2 * one_slice(size) + 1e-3 * (size.geometry + size.lengths)
+    return drawing + elimination_at_one(size) + 2 * one_slice(size) + 3e-4 * (size.geometry + size.lengths)
 
 
 def _aspects_cost(size: Sizes) -> float:
     """The ends of the range, and the transitions of singular curves, which nearly special shapes hide."""
-    return _singular_cost(size) + 0.2 * max(0, size.nearness - 60)
+    return _singular_cost(size) + elimination(size) + 0.2 * max(0, size.nearness - 60)
 
 
 POSES = Kind("poses", "po-", poses, _poses_cost, measure=_poses_sizes)
@@ -376,7 +377,8 @@ def _plot_cost(size: Sizes) -> float:
         return 0.2 + curves_cost(size)
     if size.is_slice:
         return 0.15 + elimination(size) + 2 * one_slice(size)
-    return 0.2 + all_events(size) + size.censuses * MARGIN.cost(size)
+    # the proofs of many windows take twice as long as that of one slice
+    return 0.2 + all_events(size) + 2 * size.censuses * MARGIN.cost(size)
 
 
 PLOT = Kind("plot", "pl-", plot, _plot_cost, measure=_plot_sizes, fewer=lambda _content, _size: {})

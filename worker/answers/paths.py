@@ -14,7 +14,7 @@ from rpr_solver.contract import DEFAULT_SAMPLES, LENGTHS, MOST_POSES, MOST_SAMPL
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.triangles import Canonical, parse_surd
-from worker.answers.cost import Sizes, all_events, elimination, one_slice
+from worker.answers.cost import Sizes, all_events, elimination_at_one, one_slice
 from worker.answers.kind import Content, Document, JobRequest, Kind, Store
 
 _NAMES = {"start": "from", "stop": "to"}
@@ -145,7 +145,7 @@ def _path_cost(size: Sizes) -> float:
     deviations = 8e-4 * size.deviations
     return (
         search
-        + elimination(size)
+        + elimination_at_one(size)
         + one_slice(size)
         + sample * size.count
         + deviations
@@ -192,8 +192,9 @@ def _measure_modes(content: Content, size: Sizes) -> Sizes:
 def _modes_cost(size: Sizes) -> float:
     """A loop round a cusp or the pairs of folds, the regions, and the census of a range."""
     slices = _MODES_SLICES * one_slice(size) * (1 + 2 * size.censuses)
-    proofs = 0.3 + _MODES_PAIRS * (size.censuses + size.limited) + 0.015 * size.nearness
-    return elimination(size) + slices + proofs + size.censuses * all_events(size)
+    near = 0.015 * (size.nearness if size.is_special else size.alikeness)
+    proofs = 0.15 + _MODES_PAIRS * (size.censuses + size.limited) + near
+    return elimination_at_one(size) + slices + proofs + size.censuses * all_events(size)
 
 
 MODES = Kind("assembly-modes", "am-", assembly_modes, _modes_cost, measure=_measure_modes)
