@@ -305,7 +305,7 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
             assert batch.status_code == 202
             look()
             here = f"/v1/batches/{batch.json()['id']}"
-            until(lambda: client.get(here).json()["status"] == "succeeded")
+            until(lambda: client.get(here).json()["status"] == "completed")
             look()
             assert used[-1] < 8 << 20
             lines = client.get(f"{here}/results").text.splitlines()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import astuple
 
 import pytest
 from redis import Redis
@@ -15,10 +16,12 @@ from tests.support.jobs import (
     depth,
     open_chunks,
     perform,
+    read_batch,
+    submit_batch,
     table_of,
 )
 from worker.answers.kind import JobRequest
-from worker.answers.kinds import request_from_json
+from worker.answers.kinds import Item, request_from_json
 from worker.jobs import sweeper
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
@@ -28,6 +31,7 @@ from worker.jobs.queue import JobQueue
 from worker.jobs.quotas import Quota, QuotaError
 from worker.jobs.records import Client
 from worker.jobs.view import ACTIVE, JobView
+from worker.process import tasks
 from worker.settings import WorkerSettings
 
 ANN, BEN, CAT = (Client(f"key:{name}", is_known=True) for name in ("ann", "ben", "cat"))
@@ -307,3 +311,15 @@ def test_lists_the_newest_first(queue: JobQueue) -> None:
 def test_points_are_kept_with_a_question() -> None:
     request = a_request("1")
     assert request_from_json(request.to_json()) == request
+
+
+def test_of_a_long_item_the_hash_is_kept_once_it_is_answered(queue: JobQueue) -> None:
+    long, short = a_pose_table("14." + "1" * 1200), a_pose_table("15")
+    view = submit_batch(queue, [Item("a", long), Item("b", short)])
+    [(ref, entry)] = open_chunks(queue).items()
+    perform(queue)
+    kept = {stored.item.id: stored for stored in read_batch(queue, view)}
+    assert [kept["a"].state, kept["b"].state] == ["failed", "succeeded"]  # too many digits for poses
+    assert [kept["a"].item.request, kept["b"].item.request] == [long.cut(), short]
+    tasks.run_chunk(*astuple(ref), entry.first, entry.last)  # as `rq requeue` has it
+    assert (state(queue, view.id).done, state(queue, view.id).failed) == (2, 1)
