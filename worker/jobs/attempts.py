@@ -69,11 +69,13 @@ class Attempts(InRedis):
         Returns None if Redis has lost the job, the job was canceled, or another attempt has begun. What
         somebody requeues after the end of a job is computed.
         """
-        reply = self._run("start", self.keys.names(ref.job_id), job_id=ref.job_id, run=ref.run)
+        reply = self._run(
+            "start", self.keys.names(ref.job_id), job_id=ref.job_id, run=ref.run, index=ref.index
+        )
         if not reply:
             return None
-        counts, status, request, origin, bits = reply
-        entry = self.entry(ref) if counts else None
+        counts, status, request, origin, bits, raw = reply
+        entry = _entry_of(ref, raw) if counts else None
         if status == b"canceled" or (counts and entry is None):
             return None
         done = bits if counts else b""
@@ -85,12 +87,6 @@ class Attempts(InRedis):
             entry or ChunkEntry(first, last, "heavy", is_single=True),
             json.loads(origin or "{}"),
         )
-
-    def entry(self, ref: ChunkRef) -> ChunkEntry | None:
-        """Returns how the chunk of an attempt stands; None if it is done, or another attempt has begun."""
-        raw = cast("bytes | None", self.redis.hget(self.keys.job(ref.job_id).chunks, str(ref.index)))
-        entry = None if raw is None else entry_from_json(raw)
-        return entry if entry is not None and entry.attempt == ref.attempt else None
 
     def beat(self, ref: ChunkRef, worker: str) -> bool:
         """Say that a worker runs an attempt, and renew the locks that it holds.
@@ -226,6 +222,12 @@ class Attempts(InRedis):
         if len(found) < len(chunk.positions):
             raise ItemsLostError(ref.job_id)
         return found
+
+
+def _entry_of(ref: ChunkRef, raw: bytes | None) -> ChunkEntry | None:
+    """Returns how the chunk of an attempt stands; None if it is done, or another attempt has begun."""
+    entry = entry_from_json(raw) if raw else None
+    return entry if entry is not None and entry.attempt == ref.attempt else None
 
 
 def _shortened(item: Item | None) -> str:

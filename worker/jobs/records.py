@@ -216,7 +216,8 @@ class JobRecords(InRedis):
             pipe.setbit(keys.bits, position, 1)
         if plan.chunks:
             self.chunks.enqueue(pipe, job_id, run, _entries(plan), about_of(new.request))
-        pipe.persist(keys.items)
+        if is_batch(job_id):
+            pipe.persist(keys.items)
         self._account(pipe, job_id, plan, now, new.deadline_seconds)
         self._list(pipe, job_id, now, None)
         if by is not None:

@@ -21,6 +21,7 @@ from rpr_solver.errors import InputError, SolverError
 from worker import tracing
 from worker.answers import Document, JobRequest, SliceJson, answer
 from worker.answers.designs import Observer
+from worker.answers.kind import Store
 from worker.answers.kinds import ItemSolver, Outcome
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, Group, solved
@@ -214,9 +215,10 @@ def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> Iterator[SliceJs
             attempts.begin_parts(ref)
         return eliminant
 
+    was_missing = chunk.counts and ref.attempt == 0 and len(chunk.request.parts) == 1  # a moment ago
     return solved(
         chunk.request,
-        attempts.store,
+        Store() if was_missing else attempts.store,
         chunk.parts,
         eliminant=eliminant,
         during=lambda l1: tracing.span("slice", attributes={"l1": l1}),

@@ -24,7 +24,7 @@ from redis.exceptions import RedisError
 from rq import Queue
 from rq.exceptions import DequeueTimeout
 from rq.executions import Execution
-from rq.job import Job
+from rq.job import Job, JobStatus
 from rq.serializers import JSONSerializer
 from rq.suspension import WORKERS_SUSPENDED
 from rq.timeouts import BaseDeathPenalty
@@ -33,7 +33,7 @@ from rq.worker import WorkerStatus
 from rpr_solver.errors import InputError, SolverError
 from worker.answers.kinds import is_batch
 from worker.connection import address, patient
-from worker.jobs.chunks import ChunkQueue, ChunkRef, ref_of
+from worker.jobs.chunks import KEPT_SECONDS, ChunkQueue, ChunkRef, ref_of
 from worker.jobs.interruptions import Cause, Interruptions
 from worker.jobs.plan import lanes_of
 from worker.jobs.sweeper import SWEEP_SECONDS, Sweeper
@@ -254,14 +254,29 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         if not is_chunk:
             self._refuse(job, queue)
             return
-        self.prepare_execution(job)
         counts = self._attempts.beat(ref, self.name)
         horse = self._stable.take()
-        self._horse_pid = horse.pid  # for RQ's commands
-        assert self.execution is not None, "it was just prepared"
-        horse.order(json.dumps([job.id, queue.name, self.execution.id]))
+        self._horse_pid = horse.pid  # for RQ's commands, which may come as soon as the job is shown
+        execution = self._begin(job, queue)
+        horse.order(json.dumps([job.id, queue.name, execution.id]))
         self._look_after(job, queue, ref, counts=counts)
         self.execution = None
+
+    def _begin(self, job: Job, queue: Queue) -> Execution:
+        """Show a job as started to RQ's tools, in one step; returns its execution.
+
+        Most jobs take milliseconds: RQ's record of the execution is written with its first heartbeat.
+        """
+        self.execution = execution = Execution(secrets.token_hex(16), job.id, self.connection, self.name)
+        self._state = WorkerStatus.BUSY
+        with self.connection.pipeline(transaction=False) as pipe:
+            job.started_job_registry.add_execution(execution, pipe, ttl=self.get_heartbeat_ttl(job))
+            job.prepare_for_execution(self.name, pipe)
+            pipe.hset(self.key, mapping={"state": self._state, "current_job": job.id})
+            if len(self.queues) == 1:  # then RQ takes jobs by way of another list
+                pipe.lrem(queue.intermediate_queue_key, 1, job.id)
+            pipe.execute()
+        return execution
 
     def _refuse(self, job: Job, queue: Queue) -> None:
         text = "it is not a chunk of rpr-cusps"
@@ -317,6 +332,8 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         try:
             if time.monotonic() >= self._next_register:
                 self._next_register = time.monotonic() + _REGISTER_SECONDS
+                if self.execution is not None:
+                    self.execution.save(self.get_heartbeat_ttl(job))
                 self.maintain_heartbeats(job)
             is_wanted = self._attempts.beat(ref, self.name)
             self._sweep()
@@ -369,6 +386,27 @@ class Worker(rq.Worker):  # type: ignore[misc, unused-ignore]
         except RedisError as error:
             log.warning("the outcome of %s could not be recorded: %s", job_id, error)
             os._exit(UNRECORDED)
+
+    def prepare_job_execution(self, *_: Any) -> None:
+        """Do nothing: the worker has shown the job as started."""
+
+    def handle_execution_ended(self, job: Job, *_: Any) -> None:
+        """Note when a job has ended; what follows records it."""
+        job.ended_at = rq.utils.now()
+
+    def handle_job_success(self, job: Job, *_: Any, **__: Any) -> None:
+        """Show a job as finished to RQ's tools, in one step: no other waits for it, and it has no result."""
+        assert job.started_at is not None, "it was performed"
+        assert job.ended_at is not None, "it was performed"
+        end: dict[Any, Any] = {"status": JobStatus.FINISHED, "ended_at": rq.utils.utcformat(job.ended_at)}
+        with self.connection.pipeline(transaction=False) as pipe:
+            self.increment_successful_job_count(pipe)
+            self.increment_total_working_time(job.ended_at - job.started_at, pipe)
+            pipe.hset(job.key, mapping=end)
+            pipe.expire(job.key, KEPT_SECONDS)
+            job.finished_job_registry.add(job, KEPT_SECONDS, pipe)
+            self.cleanup_execution(job, pipe)
+            pipe.execute()
 
     def handle_exception(self, job: Job, *exc_info: Any) -> None:
         """Log an error, but for those that belong to the question: these are in RQ's record of the job."""
