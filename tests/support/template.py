@@ -144,11 +144,11 @@ def serve_forks() -> int:
     horse: Any = import_module("worker.process.horse")
     horse.load_solver()
     horse.NICENESS = 0  # a busy computer would leave nothing to them
-    _read_constants_from_the_environment()
+    read_constants_from_the_environment()
     return _forks(socket.socket(fileno=descriptor))
 
 
-def _read_constants_from_the_environment() -> None:
+def read_constants_from_the_environment() -> None:
     """Make settings of all constants: so tests give them to the processes that they start."""
     for model in import_module("service.cli.serve").models():
         for field in model.model_fields.values():
