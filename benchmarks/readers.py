@@ -26,6 +26,7 @@ from worker.answers import JobRequest
 from worker.answers.store import packed
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect
+from worker.jobs.attempts import Attempts
 from worker.jobs.queue import JobQueue
 
 MANIPULATOR = rpr_solver.EXAMPLES["innocenti"]
@@ -57,23 +58,19 @@ def running_job(queue: JobQueue, slices: int, digits: int) -> tuple[str, Callabl
     l1 = [str(10_000 + i) for i in range(slices)]
     content = {"geometry": MANIPULATOR.to_json(), "fixed_leg": 1, "digits": digits, "l1": l1}
     request = JobRequest(CUSP_TABLE, content)
-    plan = queue.plan(request, slices)
-    created = queue.records.create(request, request.parts, "", plan)
-    assert created is not None
-    refs = created.refs
-    for ref in refs:  # as its worker would say
-        queue.redis.set(queue.records.keys.beat(ref.rq_id), 1, ex=10 * SECONDS)
+    job_id = queue.submit(request).id
     one = rpr_solver.slice_json(rpr_solver.eliminate(MANIPULATOR), Fraction("14.98"), digits)
 
     def run() -> None:
-        for ref in refs:
-            chunk = queue.attempts.start(ref)
+        attempts = Attempts(queue.redis, queue.settings, queue.store)
+        for ref, entry in queue.records.open_chunks([job_id])[job_id].items():
+            chunk = attempts.start(ref, entry.first, entry.last)
             assert chunk is not None
-            for offset, x in enumerate(chunk.parts):
-                queue.attempts.put_slices(ref, chunk, offset, [{**one, "l1": x}])
+            for position, x in zip(chunk.positions, chunk.parts, strict=True):
+                attempts.put_slices(ref, chunk, [position], [{**one, "l1": x}])
                 time.sleep(0.005)
 
-    return request.job_id, run
+    return job_id, run
 
 
 class Readers:

@@ -358,13 +358,14 @@ class _Search:
 
     def _refuted(self) -> Counterexample | None:
         """A counter-example, the nearest that is found."""
-        tries = self._near[:_CANDIDATES] if self.budget.left else []
         estimate = self._estimate
-        rays = map(self._ray, filter(None, (*tries, estimate)))
-        fine = [ray for ray in rays if Fraction(ray.estimate.radius) < self._finest]
-        if example := next((example for ray in fine if (example := ray.twice())), None):
+        near = self._near[:_CANDIDATES] if self.budget.left else []
+        fine = [one for one in (*near, estimate) if one and Fraction(one.radius) < self._finest]
+        tries = (self._ray(one).twice() for one in fine)
+        if (example := next(filter(None, tries), None)) is not None:
             return example
-        best = next((example for near in tries if (example := self._ray(near).beyond())), None)
+        tries = (self._ray(one).beyond() for one in near if one not in fine)
+        best = next(filter(None, tries), None)
         if estimate is None or not self.budget.left:
             return best
         if best is not None and Fraction(estimate.radius) * _CLOSE > best.radius:

@@ -6,12 +6,13 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import httpx
+import pytest
 from redis import Redis
 
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_design, a_heavy_document, a_request, depth, ended, submit_batch
+from tests.support.jobs import a_design, a_heavy_document, a_pose_table, a_request, depth, ended, submit_batch
 from tests.support.processes import PATIENCE, Workers, until
 from tests.support.service_server import GEOMETRY, NO_WAIT, serving
 from worker.answers.kinds import Item
@@ -52,6 +53,26 @@ def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, w
     assert redis.llen("begun") == 1, "the light worker takes no heavy chunk, even if it is idle"
     redis.set("gate", "open")
     assert {ended(queue, job).status for job in heavy} == {"succeeded"}
+
+
+@pytest.mark.long
+def test_small_questions_beside_true_work(redis: Redis, workers: Workers) -> None:
+    """Two workers, heavy questions and a batch, all of them computing. Of a hundred small questions 99 are
+    answered in a second each.
+    """
+    for duty in ("light", "all"):
+        workers.start(duty)
+    queue = JobQueue(redis)
+    others = [queue.submit(a_heavy_document(digits)).id for digits in range(30, 36)]
+    others.append(submit_batch(queue, [Item(None, a_pose_table(f"{10 + i}/7")) for i in range(500)]).id)
+    seconds = []
+    for i in range(100):
+        start = time.monotonic()
+        assert ended(queue, queue.submit(a_request(f"{14 + i / 50}")).id).status == "succeeded"
+        seconds.append(time.monotonic() - start)
+    assert not all((view := queue.get(job)) is not None and view.is_terminal for job in others)
+    assert sorted(seconds)[98] < 5  # 1 on an idle machine
+    print(f"99 of 100 in {sorted(seconds)[98]:.2f} s")  # shown by `pytest -rP`
 
 
 def test_all_workers_share_a_search_and_short_work_passes_it(
@@ -130,7 +151,8 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
     assert len(accepted) + len(refused) == 200
     assert len(accepted) == depth(JobQueue(redis)) <= 80
     assert {answer.json()["type"] for answer in refused} == {"/problems/queue-full"}
-    assert all(0.9 * room < int(answer.headers["retry-after"]) <= room for answer in refused)
+    waits = {int(answer.headers["retry-after"]) for answer in refused}
+    assert 0.9 * room < min(waits) <= max(waits) <= room + 1
 
 
 def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:

@@ -15,7 +15,7 @@ import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_request, depth, ended
+from tests.support.jobs import a_heavy_document, a_request, depth, ended
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -87,7 +87,7 @@ def test_redis_hangs_while_a_chunk_runs(
     worker = own_workers.start(task="tests.support.hard_tasks.gated")
     with connect(own_valkey.url) as redis:
         queue = JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.gated"))
-        view = queue.submit(a_request("1"))
+        view = queue.submit(a_heavy_document())
         until(lambda: redis.llen("begun") == 1)
         (horse,) = descendants(worker.pid)
         with stopped(own_valkey.pid):

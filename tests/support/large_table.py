@@ -9,8 +9,9 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from tests.support.jobs import a_request
+from tests.support.jobs import a_request, open_chunks
 from worker.answers.store import packed
+from worker.jobs.attempts import Attempts
 from worker.jobs.queue import JobQueue
 
 DIGITS = 1000
@@ -38,13 +39,11 @@ def keep_table(queue: JobQueue, count: int) -> tuple[str, dict[str, Any]]:
 def run_job(queue: JobQueue, count: int) -> Iterator[str]:
     """Do a job of `count` slices as a worker does; gives its id first, and then once more for each slice."""
     request = a_request(*(str(5000 + i) for i in range(count)), digits=DIGITS)
-    plan = queue.plan(request, len(request.parts))
-    created = queue.records.create(request, request.parts, "", plan)
-    assert created
-    yield request.job_id
-    for ref in created.refs:
-        chunk = queue.attempts.start(ref)
+    yield queue.submit(request).id
+    attempts = Attempts(queue.redis, queue.settings, queue.store)
+    for ref, entry in open_chunks(queue).items():
+        chunk = attempts.start(ref, entry.first, entry.last)
         assert chunk is not None
-        for offset, l1 in enumerate(chunk.parts):
-            queue.attempts.put_slices(ref, chunk, offset, [{**_slice(), "l1": l1}])
+        for position, l1 in zip(chunk.positions, chunk.parts, strict=True):
+            attempts.put_slices(ref, chunk, [position], [{**_slice(), "l1": l1}])
             yield request.job_id

@@ -10,6 +10,7 @@ import threading
 import time
 
 from redis.exceptions import RedisError
+from rq.version import VERSION
 
 from worker import tracing
 from worker.connection import Search, UnreachableError, connect, eviction_warning
@@ -22,6 +23,9 @@ from worker.settings import Duty, WorkerSettings
 log = logging.getLogger("rpr_cusps.worker")
 
 _TICK = 0.05
+
+_RQ = "2.12"
+"""The version of RQ whose worker ours is made from: RQ 3 performs a job in another way."""
 
 
 class WorkerError(Exception):
@@ -38,8 +42,10 @@ def run_worker(
 
     Raises:
         ValidationError: a setting is invalid.
-        WorkerError: Redis cannot be used, and will not be by waiting.
+        WorkerError: Redis cannot be used, and will not be by waiting; or RQ is of another version.
     """
+    if not VERSION.startswith(f"{_RQ}."):
+        raise WorkerError(f"the worker needs RQ {_RQ}, and RQ {VERSION} is installed")
     settings = WorkerSettings()
     level = (settings.log_level or "INFO").upper()
     set_up(level, settings.log_format)

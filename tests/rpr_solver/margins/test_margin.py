@@ -110,6 +110,17 @@ def test_the_nearest_degenerate_geometry_may_belong_to_no_transition_of_the_give
     assert subject.nearest(weights)[0].radius >= radii[0]
 
 
+def test_a_margin_finer_than_doubles_is_refuted_without_a_proof() -> None:
+    """Just beyond a transition; at 1e-9 of it the margin is proved, at 1e-14 no box could be."""
+    [transition, *_] = census(INNOCENTI, digits=30).transitions
+    near = (Fraction(transition.length) * (1 + Fraction(1, 10**k)) for k in (9, 14))
+    wide, fine = (margin(INNOCENTI, rounded_up(length, 25)) for length in near)
+    assert wide.proved is not None
+    assert (fine.proved, fine.boxes) == (None, 0)
+    assert fine.counterexample is not None
+    assert fine.counterexample.radius < Fraction(1, 10**13)
+
+
 def test_a_wide_box_is_proved() -> None:
     assert is_proved(SliceCount(INNOCENTI, 1, Fraction(17)), Fraction("0.22"), 20_000)
 

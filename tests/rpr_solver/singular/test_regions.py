@@ -7,16 +7,18 @@ from collections import Counter
 from fractions import Fraction
 from random import Random
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from rpr_solver import EXAMPLES, Manipulator, census, poses, singular_curves, trace_slice, verify_document
 from rpr_solver.model.fibre import Closure, fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.regions import number_of_poses
 from tests.rpr_solver.long_run import manipulator as random_manipulator
-from tests.support.families import family
+from tests.support.families import FAMILIES, family
 from tests.support.shared import eliminant_of
 from tests.support.singular import SLICES, manipulator, traced
 
@@ -161,6 +163,24 @@ def test_regions_that_touch_where_two_poses_close_a_leg_are_apart(
 ) -> None:
     regions = trace_slice(eliminant_of(family(name), leg), length).regions
     assert [region.poses for region in regions] == expected
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", range(60))
+def test_no_region_is_joined_through_a_neck_of_rounding(number: int) -> None:
+    """Where a ring comes next to a point of its own, it is at one point: of a crossing or a junction."""
+    draw, names = Random(f"necks {number}"), list(FAMILIES)
+    name = names[number % len(names)]
+    length = Fraction(draw.randint(20, 100 * max(abs(x) for x in FAMILIES[name][:6])), 100)
+    curves = trace_slice(eliminant_of(family(name), draw.choice((1, 2, 3))), length)
+    for ring in (ring for region in curves.regions for ring in region.rings):
+        points = np.array(ring[:-1])
+        size = np.ptp(points, axis=0).max()
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(np.array(ring), axis=0).T))])
+        for i, j in cKDTree(points).query_pairs(1e-9 * size):
+            apart = abs(along[j] - along[i])
+            near = min(apart, along[-1] - apart) < 1e-3 * size
+            assert near or (points[i] == points[j]).all()
 
 
 def test_a_region_narrower_than_the_tolerance_is_counted_and_listed_when_drawn_finer() -> None:

@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
 from redis import Redis
 from rq import Queue
 from rq.command import send_shutdown_command, send_stop_job_command
@@ -20,6 +21,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request, ended, open_chunks, table_of
 from tests.support.processes import PATIENCE, ROOT, Workers, completed, environment, until
 from worker.jobs.queue import JobQueue
+from worker.process.program import WorkerError, run_worker
 from worker.settings import WorkerSettings
 
 HARD = "tests.support.hard_tasks."
@@ -168,3 +170,9 @@ def test_an_idle_installation_asks_redis_little(redis: Redis, workers: Workers) 
     before, start = commands(), time.monotonic()
     time.sleep(10)
     assert (commands() - before) / (time.monotonic() - start) < 8, "an API process adds 1"
+
+
+def test_another_version_of_rq_is_refused(valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("worker.process.program.VERSION", "3.0.0")
+    with pytest.raises(WorkerError, match=r"needs RQ 2\.12, and RQ 3\.0\.0 is installed"):
+        run_worker(valkey.url)
