@@ -149,8 +149,12 @@ class ChunkQueue(InRedis):
     def discard(self, rq_ids: Iterable[str]) -> None:
         """Delete attempts that are out of date, wherever RQ has them; one that runs its worker ends."""
         for rq_id in rq_ids:
-            with suppress(NoSuchJobError, InvalidJobOperation):  # it is gone, or has just gone
-                job = Job.fetch(rq_id, connection=self.redis, serializer=JSONSerializer)
+            with suppress(InvalidJobOperation):  # it has just gone
+                try:
+                    job = Job.fetch(rq_id, connection=self.redis, serializer=JSONSerializer)
+                except NoSuchJobError:
+                    self.redis.delete(Job.key_for(rq_id))  # a worker may have shown it as started since
+                    continue
                 with self.redis.pipeline() as pipe:
                     job.delete(pipeline=pipe)
                     pipe.execute()

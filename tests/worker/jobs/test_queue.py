@@ -7,6 +7,7 @@ from dataclasses import astuple
 
 import pytest
 from redis import Redis
+from rq.job import Job
 
 from tests.support.jobs import (
     a_document,
@@ -49,6 +50,16 @@ def work_left(queue: JobQueue) -> dict[str, int]:
     found = {name.decode(): int(value) for name, value in queue.redis.hgetall(queue.keys.work).items()}
     lanes = {name.partition(":")[0] for name in found}
     return {lane: found.get(f"{lane}:added", 0) - found.get(f"{lane}:done", 0) for lane in lanes}
+
+
+def test_a_chunk_that_is_discarded_as_a_worker_takes_it_leaves_nothing(queue: JobQueue) -> None:
+    view = queue.submit(a_request("1"))
+    [ref] = open_chunks(queue)
+    job = Job.fetch(ref.rq_id, connection=queue.redis, serializer=queue.chunks.queues["small"].serializer)
+    queue.cancel(view.id)
+    job.prepare_for_execution("a worker", queue.redis)
+    queue.chunks.discard([ref.rq_id])
+    assert queue.redis.keys("rq:job:*") == []
 
 
 def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) -> None:
