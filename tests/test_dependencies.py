@@ -175,7 +175,7 @@ for command in COMMANDS:
     text = WITHOUT_A_SERVICE.format(absent=absent, gone=(), program=program)
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    assert set(re.findall(r"^usage: rpr-cusps (\w+)", done.stdout, re.MULTILINE)) == set(COMMANDS)
+    assert set(re.findall(r"^usage: rpr-cusps ([\w-]+)", done.stdout, re.MULTILINE)) == set(COMMANDS)
 
 
 @pytest.mark.parametrize(

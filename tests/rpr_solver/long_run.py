@@ -40,15 +40,17 @@ NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
 def manipulator(rng: random.Random) -> Manipulator:
-    """A random geometry: small integers bring coincidences, decimals do not."""
+    """A random geometry whose legs share no joint; small integers bring coincidences."""
     while True:
         size, places = rng.choice([(4, 1), (12, 1), (30, 10), (30, 1000)])
         low = [-size, -size, -size, 0, 0, 0]
         values = [Fraction(rng.randint(x * places, size * places), places) for x in low]
         try:
-            return Manipulator(*values, orientation=rng.choice(["ccw", "cw"]))
+            drawn = Manipulator(*values, orientation=rng.choice(["ccw", "cw"]))
         except InputError:
             continue
+        if not drawn.geometry.shared_joints:
+            return drawn
 
 
 def transformed(m: Manipulator, rng: random.Random) -> tuple[Manipulator, Fraction]:
