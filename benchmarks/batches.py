@@ -144,7 +144,7 @@ class Memory(threading.Thread):
 def as_they_come(client: httpx.Client, batch: dict[str, Any]) -> int:
     """Reads all results as they come, and returns their number (a look at them would take time)."""
     count = 0
-    while count < batch["total"]:
+    while count < batch["progress"]["total"]:
         path = f"{batch['links']['results']}?after={count - 1}"
         with client.stream("GET", path, headers={"Prefer": f"wait={WAIT}"}) as answer:
             count += sum(piece.count(b"\n") for piece in answer.iter_raw())

@@ -105,7 +105,7 @@ def job(slices: int, workers: int) -> float:
         sent.raise_for_status()
         accepted = time.perf_counter() - begin
         link, peaks = sent.headers["location"], {stack.pid: 0}
-        while (state := client.get(link).json())["status"] not in ("succeeded", "failed"):
+        while (state := client.get(link).json())["status"] not in ("succeeded", "completed", "failed"):
             peaks = greatest(peaks, stack.pid)
             time.sleep(0.2)
         taken = time.perf_counter() - begin
