@@ -174,7 +174,8 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
             requires a key
         --insecure: give access to everyone who reaches the address
         --port: port to listen on (default: 8000); 0 chooses a free one
-        --workers: number of worker processes (default: one per core)
+        --workers: number of worker processes; of two or more, one takes small questions only (default: one
+            more than cores)
         --root-path: path under which a reverse proxy serves the service, such as /cusps
     """
     parser.add_argument("--host", default="127.0.0.1")

@@ -158,7 +158,7 @@ class ServeSettings:
 
     host: str = "127.0.0.1"
     port: int = 8000
-    workers: int | None = None  # None: one per usable core
+    workers: int | None = None  # None: one per usable core, and one for small questions
     redis_url: str | None = None  # None: an embedded Valkey
     data_dir: Path | None = None  # None: the platform's directory for user data
     insecure: bool = False  # without keys, on whatever address
@@ -167,7 +167,7 @@ class ServeSettings:
     @property
     def worker_count(self) -> int:
         """The number of worker processes."""
-        return usable_cores() if self.workers is None else self.workers
+        return usable_cores() + 1 if self.workers is None else self.workers
 
 
 def serve(settings: ServeSettings) -> int:
