@@ -130,6 +130,7 @@ def test_redis_is_emptied(redis: Redis, workers: Workers) -> None:
     assert succeeds(redis)
 
 
+@pytest.mark.long
 def test_a_dead_worker_is_not_counted_for_long(redis: Redis, workers: Workers) -> None:
     """A worker is killed while it is idle. `/readyz` stops counting it within seconds."""
     first = workers.start()
@@ -141,6 +142,7 @@ def test_a_dead_worker_is_not_counted_for_long(redis: Redis, workers: Workers) -
     assert JobQueue(redis).workers() == 0
 
 
+@pytest.mark.long
 def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, workers: Workers) -> None:
     """An idle worker is stopped by SIGSTOP and continued. It is not counted meanwhile, and is counted
     afterwards.
