@@ -27,8 +27,6 @@ from rpr_solver.exact.real_roots import RealRoot, real_roots
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
 _MOST_WORK = 5_000_000
 """The cubed degree of the field of a root, times its bits; a pose in it takes several seconds."""
-_MOST_WORK_FACTORING = 1_000_000_000
-"""Likewise of a norm, which is factored in a second or two."""
 
 
 class FactorShape(TypedDict):
@@ -136,20 +134,16 @@ def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> 
         if any(map(matches, real_roots(QuadraticPoly.rational(factor))))
     ]
     for factor in factors:
-        degree, bits = int(factor.polynomial.degree()), int(factor.polynomial.height_bits())
-        if degree**3 * bits > _MOST_WORK:
-            raise Unproved(
-                f"a pose needs a number field of degree {degree} with {bits} bits, which is too large"
-            )
+        _check_size(factor.polynomial)
     counterparts = [root for root in exact_roots(factors) if matches(root.root)]
     if len(counterparts) != len(roots):
         raise Unproved("a root was lost between balls and exact arithmetic")
     return counterparts
 
 
-def _check_size(polynomial: fmpz_poly, most: int) -> None:
+def _check_size(polynomial: fmpz_poly) -> None:
     degree, bits = int(polynomial.degree()), int(polynomial.height_bits())
-    if degree**3 * bits > most:
+    if degree**3 * bits > _MOST_WORK:
         raise Unproved(f"a pose needs a number field of degree {degree} with {bits} bits, which is too large")
 
 

@@ -40,8 +40,7 @@ if TYPE_CHECKING:
 _FIELDS = (*LENGTHS, "orientation")
 _TRIANGLES = ("base", "platform")
 _NOTES = ("name", "unit")
-_BESIDE = ("$schema", *_NOTES)
-"""What a geometry may have beside its fields: for editors and readers, and no part of its identity."""
+"""What a geometry may have beside its fields: for readers, and no part of its identity."""
 _DOUBLE_BITS = 128
 """Working precision for doubles: a root is known far beyond the 53 bits of one."""
 
@@ -349,16 +348,6 @@ def notes_on(geometry: Mapping[str, Any]) -> dict[str, str]:
     if problems := note_problems(geometry):
         raise InputError(problems)
     return {name: geometry[name] for name in _NOTES if name in geometry}
-
-
-def without_notes(geometry: Mapping[str, Any]) -> dict[str, Any]:
-    """A geometry without what it may have beside its fields.
-
-    Raises:
-        InputError: its name or its unit is no text.
-    """
-    notes_on(geometry)
-    return {name: value for name, value in geometry.items() if name not in _BESIDE}
 
 
 EXAMPLES: Mapping[str, Manipulator] = MappingProxyType(

@@ -16,8 +16,6 @@ if TYPE_CHECKING:  # all answers name their figures, few are drawn
     from matplotlib.axes import Axes
 
 Theme = Literal["light", "dark"]
-
-THEMES: tuple[Theme, ...] = ("light", "dark")
 """The paper on which a picture is drawn."""
 
 _POINTS_IN_MM = 72 / 25.4

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from inspect import cleandoc
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, NonNegativeInt, PositiveInt
+from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, NonNegativeInt, PositiveInt
 
 from rpr_solver.errors import FieldProblem, InputError
 from worker.limits import ATTRIBUTES, DEADLINE, Constant, Deadline, describe_fields, is_setting
@@ -65,8 +65,6 @@ _PREFIX = "rpr_cusps_"
 
 MIN_DIGITS = 15
 MAX_DIGITS = 1000
-
-SupportedDigits = Annotated[int, Field(ge=MIN_DIGITS, le=MAX_DIGITS)]
 
 
 class Limits(Model):

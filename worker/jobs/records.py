@@ -83,7 +83,6 @@ class NewJob:
             **{"lane": self.plan.lane, "work": str(work), "left": str(work), "ahead": str(ahead)},
             "done": str(len(self.known) + len(self.failed)),
             "failed": str(len(self.failed)) if self.failed else None,
-            "known": dump([*self.known]) if self.known else None,
             "maker": None if self.by is None else self.by.id,
             "deadline": None if self.deadline_seconds is None else f"{now + self.deadline_seconds:.6f}",
         }
@@ -128,15 +127,6 @@ class JobRecords(InRedis):
             return None
         by_l1 = {x: json.loads(unpack(error)) for x, error in zip(l1, errors, strict=True) if error}
         return request_from_json(asked).of_slices(l1), by_l1
-
-    def known_before(self, job_id: str) -> list[str]:
-        """Returns the parts of a job that were known when it was made, in their order."""
-        fields = self.redis.hmget(self.keys.job(job_id).record, ["request", "known"])
-        request, known = cast("list[bytes | None]", fields)
-        if request is None or known is None:
-            return []
-        parts = request_from_json(request).parts
-        return [parts[position] for position in json.loads(known)]
 
     def stopped(self, job_id: str) -> str | None:
         """Returns the hash of the answer that a job has alone, if it was stopped."""
