@@ -77,7 +77,9 @@ def test_nobody_waits_for_a_reader_of_the_log_that_hangs() -> None:
         lines += process.stderr.readlines()
     assert len(lines) < 30_000
     dropped, last = lines[-2:]
-    assert int(dropped.split(" INFO ")[1].split()[0]) == 30_002 - len(lines)
+    told = [int(line.split(" INFO ")[1].split()[0]) for line in lines if "log lines were dropped" in line]
+    assert "log lines were dropped" in dropped
+    assert sum(told) == 30_001 - (len(lines) - len(told))  # a busy machine drops some before the reader hangs
     assert last.endswith("the last one\n")
 
 
