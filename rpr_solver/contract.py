@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from rpr_solver.errors import InputError, shown
 
-SOLVER_VERSION = "7"
+SOLVER_VERSION = "8"
 """The version of the solver's answers, in every document and cache key; raised whenever an answer changes."""
 
 DEFAULT_DIGITS = 90
