@@ -60,7 +60,16 @@ def scale_of(manipulator: Manipulator, given: Exact | None = None) -> Surd:
     """
     if given is None:
         return Surd.root(sum(manipulator.geometry.platform.squares, Fraction(0)) / 9)
-    return Surd.of(parse_positive(given, "length_scale", "a length scale must be > 0"))
+    return Surd.of(read_scale(given))
+
+
+def read_scale(given: Exact) -> Fraction:
+    """A length scale, in the user's unit.
+
+    Raises:
+        InputError: naming ``length_scale``.
+    """
+    return parse_positive(given, "length_scale", "a length scale must be > 0")
 
 
 def condition_json(scale: str) -> dict[str, str]:

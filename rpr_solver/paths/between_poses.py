@@ -318,9 +318,8 @@ class _Question:
         if any(is_beyond(end.pose, scale, asked) for end in self.ends):
             return self._none(Obstacle.ILL_CONDITIONED, condition=condition)
         if clearance is None:
-            corridors = Corridors.of(
-                (limited.start, limited.stop), limited.span, limited.sign, limited.limits
-            )
+            ends = limited.start, limited.stop
+            corridors = Corridors.of(ends, limited.span, limited.sign, limited.limits)
             with suppress(Unproved):
                 wide = corridors.widest(known)[0]
                 other = PathCondition.of(wide[0], scale, asked)

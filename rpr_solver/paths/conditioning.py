@@ -17,9 +17,9 @@ from flint import arb, arb_poly, arb_series, ctx
 from rpr_solver.errors import InputError, Unproved
 from rpr_solver.exact.decimals import rounded_down, rounded_up
 from rpr_solver.exact.quadratic import omega_ball
-from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_exact, parse_positive
+from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_exact
 from rpr_solver.exact.real_roots import ball_of, fraction_of
-from rpr_solver.model.conditioning import Invariants, Pair, arms, condition_json, scale_of
+from rpr_solver.model.conditioning import Invariants, Pair, arms, condition_json, read_scale, scale_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.proofs import BOUND_DIGITS, PROOF_BITS
@@ -60,12 +60,7 @@ class AskedCondition:
         if most is not None and most < 1:
             message = f"is {exact_str(most)}; a condition number is at least 1"
             raise InputError.of("max_condition", message)
-        given = (
-            None
-            if length_scale is None
-            else parse_positive(length_scale, "length_scale", "a length scale must be > 0")
-        )
-        return cls(given, most)
+        return cls(None if length_scale is None else read_scale(length_scale), most)
 
     def scale(self, manipulator: Manipulator) -> Surd:
         """λ."""
@@ -105,10 +100,9 @@ class PathCondition:
                 raise Unproved("the condition number along the path could not be bounded")
             low, high = fraction_of(least.lower()), fraction_of(greatest)
         most = rounded_up(high, BOUND_DIGITS)
-        is_kept = asked is not None and high <= asked < most
         # a condition number is at least 1
         least_digits = max(Fraction(1), rounded_down(low, BOUND_DIGITS))
-        return cls(scale, asked, least_digits, asked if is_kept else most)
+        return cls(scale, asked, least_digits, most if asked is None or high > asked else min(most, asked))
 
     @property
     def is_kept(self) -> bool:
@@ -199,7 +193,7 @@ class _Numbers:
             fresh = list(heappop(waiting)[3].halves)
 
     def at(self, piece: _Piece, *, wide: bool) -> arb:
-        """The condition number at the middle of a piece, or that of all of its poses; not finite if unknown."""
+        """That at the middle of a piece, or those of all of its poses; not finite if that is open."""
         near = self._expanded(piece.arc, piece.tau, 1 if wide else 0)
         whole = self._expanded(piece.arc, arb(piece.tau, piece.half), 2) if wide else near
         if near is None or whole is None:

@@ -25,8 +25,8 @@ whose joint vector other cusps share has their numbers too: ``"twins": [4]``. If
 are not those at the start, ``from`` and ``to`` have their own ``l1``, ``l2`` and ``l3``, and the document has
 none; a pose that was given by its angles has no number. If a clearance was asked for, there is also
 ``"clearance": {"asked": "best", "proved": "8.25", "bound": "8.62", "legs": "0.0046", "radius": "1.9"}``. If
-condition numbers were, samples have ``condition``, and there is
-``"condition": {"length_scale": "3", "reference": "centroid", "asked": "40", "min": "2.77452", "max": "9.68012"}``.
+condition numbers were, samples have ``condition``, and there is ``"condition": {"length_scale": "3",
+"reference": "centroid", "asked": "40", "min": "2.77452", "max": "9.68012"}``.
 """
 
 from __future__ import annotations

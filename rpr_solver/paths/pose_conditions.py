@@ -1,9 +1,9 @@
 """How well conditioned the poses of a joint vector are, and how far they are from singular ones.
 
 The angles of the poses are found with more digits until the condition numbers
-(:mod:`rpr_solver.model.conditioning`) are decided. The clearance is that of paths (paths.md#samples), with leg
-1 held: α and θ1 may change together by less, and no singular pose is met. It is the radius of a disc of poses
-in which boxes prove that J has no zero, or that which the derivatives of J prove, if that is greater.
+(:mod:`rpr_solver.model.conditioning`) are decided. The clearance is that of paths (paths.md#samples), with
+leg 1 held: α and θ1 may change together by less, and no singular pose is met. It is the radius of a disc of
+poses in which boxes prove that J has no zero, or that which the derivatives of J prove, if that is greater.
 """
 
 from __future__ import annotations

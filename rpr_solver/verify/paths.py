@@ -14,8 +14,9 @@ from flint import arb, ctx
 from rpr_solver.boxes import Box
 from rpr_solver.contract import LEGS, Progress
 from rpr_solver.verify.arcs import Controls, Piece, everywhere, leaves, point_at
-from rpr_solver.verify.claims import Claim, Open, demand, open_claim
+from rpr_solver.verify.claims import Claim, Open, Refused, demand, open_claim
 from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
+from rpr_solver.verify.conditioning import condition_of, has_condition
 from rpr_solver.verify.equations import THETA, Jets
 from rpr_solver.verify.finding import cusps_of
 from rpr_solver.verify.members import Document
@@ -77,6 +78,12 @@ class _Path(PathEnds):
                 yield open_claim(f"/{name}", claim, "this is not verified")
         if "clearance" in members:
             yield from self._clearance_claims(members["clearance"])
+        if (condition := members.get("condition")) is not None:
+            if condition["asked"] is not None:
+                enough = partial(demand, condition["max"] <= condition["asked"], "it is greater")
+                yield self.claim_by("/condition/asked", "none is greater than was asked for", enough)
+            claim = "the condition numbers of all poses are between these"
+            yield open_claim("/condition", claim, "this is not verified")
 
     @property
     def exact_arcs(self) -> Sequence[Sequence[Any]]:
@@ -258,6 +265,8 @@ class _Path(PathEnds):
             here, at, nearer = _Sample(self, sample), f"/samples/{n}", "no singular pose is nearer than this"
             yield self.claim_by(at, "a point of the arcs at its place", here.has_digits)
             yield self.claim_by(f"{at}/clearance_deg", nearer, here.is_clear)
+            if "condition" in self.members:
+                yield self.claim_by(f"{at}/condition", "its condition number", here.has_condition)
 
     def _times(self) -> str:
         samples, duration = self.members["samples"], self.members["duration"]
@@ -330,6 +339,22 @@ class _Sample:
         if not all(found.values()):
             raise Open("a number is half way between two decimals, or exactly 0, as far as balls tell")
         return "the point is evaluated by balls"
+
+    def has_condition(self) -> str:
+        """Proves its condition number."""
+        path = self.path
+        number, square = self.sample.get("condition"), path.members["condition"]["length_scale"]
+        if number is None:
+            raise Refused("it has none")
+
+        def at(_bits: int) -> arb:
+            arcs = path.arcs()
+            arc = min(int(self.sample["place"]), len(arcs) - 1)
+            place = point_at(arcs[arc], self.sample["place"] - arc)
+            length = place[2] * ball(path.unit)
+            return condition_of(path.mechanism.geometry, path.mechanism.fixed, place, length, square)
+
+        return has_condition(number, at, path.work)
 
     def is_clear(self) -> str:
         """Proves that no singular pose is nearer."""
