@@ -54,7 +54,7 @@ from service.schemas.questions import Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
 
-class Pose(Model):
+class _PlatformPose(Model):
     """A pose of the platform. Angles are degrees in (−180, 180].
 
     Attributes:
@@ -69,11 +69,6 @@ class Pose(Model):
             the base.
         y: y of this origin.
         phi_deg: The angle of the platform's frame in the frame of the base, degrees in (−180, 180].
-        condition: The condition number of the Jacobian, if it was asked for; null if it is infinite, at a
-            singular pose.
-        clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
-            the same length of leg 1: α and the angle of leg 1 may change together (in the Euclidean norm) by
-            less than this, in degrees. Missing unless condition numbers were asked for.
     """
 
     alpha_deg: Decimal
@@ -86,6 +81,19 @@ class Pose(Model):
     x: Decimal | None = optional()
     y: Decimal | None = optional()
     phi_deg: Decimal | None = optional()
+
+
+class Pose(_PlatformPose):
+    """A pose of the platform. Angles are degrees in (−180, 180].
+
+    Attributes:
+        condition: The condition number of the Jacobian, if it was asked for; null if it is infinite, at a
+            singular pose.
+        clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
+            the same length of leg 1: α and the angle of leg 1 may change together (in the Euclidean norm) by
+            less than this, in degrees. Missing unless condition numbers were asked for.
+    """
+
     condition: Decimal | None = None
     clearance_deg: Decimal | None = optional()
 
@@ -143,7 +151,7 @@ class PoseTable(Model):
     certificate: PoseCertificate
 
 
-class LegPose(Pose):
+class LegPose(_PlatformPose):
     """A pose at a length inside an interval.
 
     Attributes:
