@@ -464,11 +464,9 @@ class PosesRequest(Question):
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""
-        content = super().content()
-        del content["condition"]
-        content.pop("length_scale", None)
+        plain = self.model_dump(exclude={"condition", "length_scale"})
         own = condition_member(self.length_scale, is_asked=self.condition)
-        return {**content, **own, **points_member(self.geometry)}
+        return {**plain, **own, **points_member(self.geometry)}
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
