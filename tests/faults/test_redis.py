@@ -157,7 +157,8 @@ def test_redis_takes_no_data(
     """Redis accepts no data: disk full, memory full, a replica, or no permission. New questions get 503, one
     log line gives the reason, `/readyz` is 503 without details, and known answers are served.
     """
-    sweepers = worker.processes if refuse is full_memory else []  # they would make room: the known answer goes
+    # A sweeper would make room where memory is full, and remove the known answer.
+    sweepers = worker.processes if refuse is full_memory else []
     with ExitStack() as stack:
         for process in sweepers:
             stack.enter_context(stopped(process.pid))
