@@ -12,12 +12,14 @@ singular pose. It says by how much relative errors of the legs' rates are magnif
 Rotations and translations have different units, so that the number depends on λ and on the reference point
 (J.-P. Merlet, *Jacobian, manipulability, condition number, and accuracy of parallel robots*, J. Mech. Des.
 128, 2006, pp. 199–206); so both are told. A rotation times a *characteristic length* is homogeneous with a
-translation (J. Angeles, *Fundamentals of Robotic Mechanical Systems*; C. Gosselin takes velocities of points
-of the platform instead, *Dexterity indices for planar and spatial robotic manipulators*, ICRA 1990). Unless
-another λ is given, it is the radius of gyration of the three joints: the root of the mean of |bᵢ|². Then
-|v|² + (ω λ)² is the mean square of the velocities of the joints B1, B2, B3, a length of the platform alone.
+translation (J. Angeles, *Fundamentals of Robotic Mechanical Systems*, who takes the length with which the
+best pose is best); C. Gosselin takes velocities of points of the platform instead (*Dexterity indices for
+planar and spatial robotic manipulators*, ICRA 1990, pp. 650–655). Unless another λ is given, it is the radius
+of gyration of the three joints: the root of the mean of |bᵢ|². Then |v|² + (ω λ)² is the mean square of the
+velocities of the joints B1, B2, B3, and λ is a length of the platform alone.
 
-The squares of the singular values are the zeros of x³ − T x² + S x − D with, for rows wᵢ of A,
+The squares of the singular values are the zeros of x³ − T x² + S x − D (mathematics.md#condition-numbers)
+with, for rows wᵢ of A,
 
     T = Σ |wᵢ|²,    S = Σ |wᵢ × wⱼ|²,    D = det(A)²,
 
