@@ -5,7 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated, Any
 
+from pydantic import BaseModel
+
 from rpr_solver import exact_str
+from rpr_solver.errors import InputError
 from service.schemas.document import given
 from service.schemas.limits import Detail
 from service.schemas.numbers import Exact, Length, number_where, positive
@@ -26,15 +29,21 @@ def scale_field() -> Any:
     )
 
 
-def condition_member(
-    scale: Fraction | None, most: Fraction | None = None, *, is_asked: bool
-) -> dict[str, Any]:
-    """Returns what is asked of condition numbers in its canonical form, as a member of a question; nothing if
-    they are not asked for."""
-    if not is_asked and scale is None and most is None:
+def condition_member(question: BaseModel) -> dict[str, Any]:
+    """Returns what a question asks of condition numbers in its canonical form, as a member; nothing if it
+    does not ask for them. Each of its members asks for them.
+
+    Raises:
+        InputError: naming `condition`, which is false beside another one.
+    """
+    members = {"length_scale": "length_scale", "max_condition": "max"}
+    given = {name: x for name in members if (x := getattr(question, name, None)) is not None}
+    is_asked = getattr(question, "condition", False)
+    if given and not is_asked and "condition" in question.model_fields_set:
+        raise InputError.of("condition", f"is false, but {next(iter(given))} is given; leave one out")
+    if not given and not is_asked:
         return {}
-    asked = {"length_scale": scale, "max": most}
-    return {"condition": {name: exact_str(x) for name, x in asked.items() if x is not None}}
+    return {"condition": {members[name]: exact_str(x) for name, x in given.items()}}
 
 
 class ConditionScale(Detail):

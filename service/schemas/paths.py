@@ -301,6 +301,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
         limits_member(self.limits, held=self.fixed_leg)
+        condition_member(self)
         for name, end in zip(POSES, (self.start, self.stop), strict=True):
             if isinstance(end, AngledPose):
                 with named(name):
@@ -332,7 +333,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
             **own,
             **limits_member(self.limits, held=self.fixed_leg),
             **({} if self.clearance is None else {"clearance": self.clearance}),
-            **condition_member(self.length_scale, self.max_condition, is_asked=self.condition),
+            **condition_member(self),
             **({"samples": self.samples} if self.sampling is None else self.sampling.content()),
             **self._times(),
             "others": self.others,

@@ -455,7 +455,7 @@ class PosesRequest(Question):
         moving = [leg for leg in LEGS if isinstance(getattr(self, leg), OpenRange)]
         if len(moving) > 1:
             raise InputError.of(moving[1], "is a second range; two legs need a length")
-        if moving and (self.condition or self.length_scale is not None):
+        if condition_member(self) and moving:
             name = "condition" if self.condition else "length_scale"
             raise InputError.of(
                 name, f"is for poses of three lengths, and {moving[0]} is a range; leave it out"
@@ -465,8 +465,7 @@ class PosesRequest(Question):
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""
         plain = self.model_dump(exclude={"condition", "length_scale"})
-        own = condition_member(self.length_scale, is_asked=self.condition)
-        return {**plain, **own, **points_member(self.geometry)}
+        return {**plain, **condition_member(self), **points_member(self.geometry)}
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
