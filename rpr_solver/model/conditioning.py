@@ -24,7 +24,8 @@ with, for rows wᵢ of A,
     T = Σ |wᵢ|²,    S = Σ |wᵢ × wⱼ|²,    D = det(A)²,
 
 the second by the formula of Cauchy and Binet. With m = T/3, p = m² − S/3 and cos 3φ = (2m³ − S m + D)/2p√p,
-0 ≤ φ ≤ π/3, they are m + 2√p cos(φ + 2πk/3); the product of the two least is D over the greatest.
+0 ≤ φ ≤ π/3, the greatest is m + 2√p cos φ. Nothing cancels in it; so the least is found as the reciprocal of
+the greatest zero of the cubic of the reciprocals.
 """
 
 from __future__ import annotations
@@ -106,15 +107,17 @@ class Invariants:
 
     def condition(self) -> arb:
         """The condition number as a ball; not finite if D may be 0."""
-        third = self.trace / 3
-        p = third * third - self.minors / 3
-        angle = _angle((2 * third**3 - self.minors * third + self.determinant2) / (2 * p * p.sqrt()))
-        twice, turn = 2 * _root(p), 2 * arb.pi() / 3
-        greatest = third + twice * angle.cos()
-        middle = third + twice * (angle - turn).cos()
-        # σ₁ / σ₃ = x₁ √x₂ / √D, for x₁ x₂ x₃ = D
-        condition: arb = greatest * _root(middle) / _root(self.determinant2)
-        return condition
+        t, s, d = self.trace, self.minors, self.determinant2
+        # the reciprocals are the zeros of the same cubic with S/D, T/D and 1/D
+        return _root(_greatest(t, s, d) * _greatest(s / d, t / d, 1 / d))
+
+
+def _greatest(trace: arb, minors: arb, determinant: arb) -> arb:
+    """The greatest zero of x³ − T x² + S x − D, whose zeros are known to be positive."""
+    third = trace / 3
+    p = third * third - minors / 3
+    angle = _angle((2 * third**3 - minors * third + determinant) / (2 * p * p.sqrt()))
+    return third + 2 * _root(p) * angle.cos()
 
 
 def _angle(cosine: arb) -> arb:

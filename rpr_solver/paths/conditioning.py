@@ -181,7 +181,8 @@ class _Numbers:
         ]
         while True:
             for piece in fresh:
-                best = best.max(of(self.at(piece, wide=False)).lower())
+                value = of(self.at(piece, wide=False))
+                best = best.max(value.lower()) if value.is_finite() else best
                 bound = of(self.at(piece, wide=True)).upper()
                 bound = bound if bound.is_finite() else arb("inf")
                 count += 1
