@@ -14,7 +14,7 @@ from flint import acb, arb, ctx
 from rpr_solver.boxes import Box, Zero
 from rpr_solver.contract import LEGS, MOST_POSES, Progress
 from rpr_solver.verify.claims import Claim, Open, Refused, claim_by, compared, demand, settled
-from rpr_solver.verify.clearance import keeps_clear
+from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
 from rpr_solver.verify.conditioning import SCALE, condition_of, has_condition
 from rpr_solver.verify.equations import Lengths, Mechanism
 from rpr_solver.verify.finding import Found, poses_of
@@ -146,10 +146,11 @@ class _Poses:
         for n in range(len(self.listed)):
             yield claim_by(f"/poses/{n}", "a pose with these digits", partial(self._proved, n))
         if "condition" in members:
-            for n in range(len(self.listed)):
+            nearer, numbers = "no singular pose with this length of leg 1 is nearer", range(len(self.listed))
+            for n in numbers:
                 yield claim_by(f"/poses/{n}/condition", "its condition number", partial(self._conditioned, n))
-                claim = "no singular pose with this length of leg 1 is nearer"
-                yield claim_by(f"/poses/{n}/clearance_deg", claim, partial(self._clear, n))
+            for n in numbers:
+                yield claim_by(f"/poses/{n}/clearance_deg", nearer, partial(self._clear, n))
         ends = [(pose["alpha_deg"].value, pose["theta1_deg"].value) for pose in self.listed]
         yield compared(
             "/poses",
@@ -207,10 +208,12 @@ class _Poses:
             space = Lengths(mechanism)
             unit = Fraction(2) ** mechanism.geometry.size
             place = [*zero.within(_CLEARANCE_BITS // 2), ball(length / unit)]
-            j = space.on(place, 0).singular.value
-            if j.contains(0):
+            j = space.on(place, 1).singular
+            if j.value.contains(0):
                 raise Open("the sign of J is not decided")
-            return keeps_clear(space, [[place, place]], 1 if j > 0 else -1, number.value, self.work)
+            if is_clear(j, bend_bound(space, place[2]), ball(number.value) * arb.pi() / 180):
+                return "by J and its slope there, and a bound of its second derivatives"
+            return keeps_clear(space, [[place, place]], 1 if j.value > 0 else -1, number.value, self.work)
 
     def _curves(self) -> str:
         if self.found.open:
