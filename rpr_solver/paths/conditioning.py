@@ -26,7 +26,7 @@ from rpr_solver.paths.proofs import BOUND_DIGITS, PROOF_BITS
 from rpr_solver.paths.routes import Arc, EndPose, Point, Route, bounded
 from rpr_solver.triangles import Surd
 
-_CLOSE = arb("1.001")
+_CLOSE = arb("1.005")
 """By how much a bound may exceed a value that is attained."""
 _FIRST_PIECES = 8
 """Of each arc."""
@@ -76,7 +76,7 @@ class PathCondition:
         asked: what none may exceed; None without a requirement.
         least: none is less, proved; rounded down.
         greatest: none is greater, proved; rounded up. Both are as good as all these numbers are close to a
-            value that is attained, within a thousandth.
+            value that is attained, within 0.5 %.
     """
 
     scale: Surd

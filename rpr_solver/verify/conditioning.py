@@ -8,9 +8,10 @@ its transpose.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import acb, acb_mat, arb, ctx
+from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from rpr_solver.boxes import Box, Undecided
 from rpr_solver.verify.claims import Open, Refused
@@ -26,30 +27,74 @@ ALONG = record({**SCALE, "asked": nothing_or(POSITIVE), "min": POSITIVE, "max": 
 _STEPS, _SPARE = 4, 64
 
 
-def condition_of(geometry: Geometry, fixed: int, pose: Box, length: arb, square: Fraction) -> arb:
-    """The condition number at a pose (α and θ of the fixed leg); ``square`` is that of the length scale.
+@dataclass(frozen=True)
+class Rates:
+    """The matrices of the rates of the legs, for a geometry with one leg fixed.
+
+    Attributes:
+        geometry: the manipulator.
+        fixed: the leg whose angle poses have.
+        square: of the length scale.
+    """
+
+    geometry: Geometry
+    fixed: int
+    square: Fraction
+
+    def at(self, pose: Box, length: arb) -> arb_mat:
+        """That at a pose (α and θ), or at all poses of a box; ``length`` is that of the fixed leg."""
+        own, turn = self.fixed - 1, acb(0, pose[0]).exp()
+        base, platform = self.geometry.base, self.geometry.platform
+        tip, centre = length * acb(0, pose[1]).exp(), sum(platform, acb(0)) / 3
+        rows, scale = [], ball(self.square).sqrt()
+        for a, b in zip(base, platform, strict=True):
+            leg = tip + turn * (b - platform[own]) - (a - base[own])
+            u, arm = leg / abs(leg), turn * (b - centre)
+            rows.append([u.real, u.imag, (arm.conjugate() * u).imag / scale])
+        return arb_mat(rows)
+
+    def condition(self, pose: Box, length: arb) -> arb:
+        """The condition number at a pose.
+
+        Raises:
+            Open: the singular values are not told apart, or the least may be 0.
+        """
+        least, most = extremes(self.at(pose, length))
+        found: arb = most / least
+        return found
+
+
+def extremes(matrix: arb_mat) -> tuple[arb, arb]:
+    """The least and the greatest singular value of a matrix.
 
     Raises:
-        Open: the eigenvalues are not told apart, or the least may be 0.
+        Open: the singular values are not told apart, or the least may be 0.
     """
-    own, turn = fixed - 1, acb(0, pose[0]).exp()
-    base, platform = geometry.base, geometry.platform
-    tip, centre = length * acb(0, pose[1]).exp(), sum(platform, acb(0)) / 3
-    rows, scale = [], ball(square).sqrt()
-    for a, b in zip(base, platform, strict=True):
-        leg = tip + turn * (b - platform[own]) - (a - base[own])
-        u, arm = leg / abs(leg), turn * (b - centre)
-        rows.append([u.real, u.imag, (arm.conjugate() * u).imag / scale])
-    matrix = acb_mat(rows)
     try:
-        values = [x.real for x in (matrix * matrix.transpose()).eig()]
+        values = [x.real for x in acb_mat(matrix * matrix.transpose()).eig()]
     except ValueError:
         raise Open("two singular values are one, as far as balls tell") from None
     least, _, most = sorted(values, key=lambda x: float(x.mid()))
     if not least > 0:
         raise Open("the least singular value may be 0")
-    found: arb = (most / least).sqrt()
-    return found
+    return least.sqrt(), most.sqrt()
+
+
+def is_between(middle: arb_mat, whole: arb_mat, low: arb, high: arb) -> bool | None:
+    """Whether the condition numbers of matrices are between two numbers; None if that is open.
+
+    ``whole`` are balls of all of them, ``middle`` is one. A singular value of another one differs from its
+    own by at most the norm of the difference (Weyl).
+    """
+    try:
+        least, most = extremes(middle)
+    except Open:
+        return None
+    if most > high * least or most < low * least:
+        return False
+    squares = [(x - y) ** 2 for x, y in zip(whole.entries(), middle.entries(), strict=True)]
+    off = sum(squares, arb(0)).abs_upper().sqrt()
+    return True if most + off <= high * (least - off) and most - off >= low * (least + off) else None
 
 
 def has_condition(number: Printed, at: Callable[[int], arb], work: Work) -> str:

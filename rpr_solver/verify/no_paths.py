@@ -10,7 +10,7 @@ from flint import ctx
 
 from rpr_solver.verify.aspects import Node, are_joined
 from rpr_solver.verify.claims import Claim, Open, Refused, demand, open_claim
-from rpr_solver.verify.conditioning import condition_of
+from rpr_solver.verify.conditioning import Rates
 from rpr_solver.verify.equations import Slice
 from rpr_solver.verify.numbers import Printed, ball
 from rpr_solver.verify.path_ends import ENDS, PIECE_BITS, PathEnds
@@ -81,8 +81,8 @@ def _is_ill_conditioned(ends: PathEnds) -> str:
     for end in ENDS:
         place = ends.place(end)
         length = place[2] * ball(ends.unit)
-        geometry, fixed = ends.mechanism.geometry, ends.mechanism.fixed
-        if condition_of(geometry, fixed, place, length, asked["length_scale"]) > ball(asked["asked"]):
+        rates = Rates(ends.mechanism.geometry, ends.mechanism.fixed, asked["length_scale"])
+        if rates.condition(place, length) > ball(asked["asked"]):
             return "that of an end is greater than was asked for"
     raise Refused("no end is proved to have a greater condition number")
 

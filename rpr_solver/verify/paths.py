@@ -16,7 +16,7 @@ from rpr_solver.contract import LEGS, Progress
 from rpr_solver.verify.arcs import Controls, Piece, everywhere, leaves, point_at
 from rpr_solver.verify.claims import Claim, Open, Refused, demand, open_claim
 from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
-from rpr_solver.verify.conditioning import condition_of, has_condition
+from rpr_solver.verify.conditioning import Rates, has_condition, is_between
 from rpr_solver.verify.equations import THETA, Jets
 from rpr_solver.verify.finding import cusps_of
 from rpr_solver.verify.members import Document
@@ -28,6 +28,8 @@ from rpr_solver.verify.timing import keeps_time
 from rpr_solver.verify.work import Work
 
 _TURN = 360
+_OF_EIGENVALUES = 5
+"""The work for the singular values on a piece."""
 _NOT_VERIFIED = {
     "others": "what becomes of the other poses",
     "motion": "all legs keep the limits of motion",
@@ -83,7 +85,7 @@ class _Path(PathEnds):
                 enough = partial(demand, condition["max"] <= condition["asked"], "it is greater")
                 yield self.claim_by("/condition/asked", "none is greater than was asked for", enough)
             claim = "the condition numbers of all poses are between these"
-            yield open_claim("/condition", claim, "this is not verified")
+            yield self.claim_by("/condition", claim, self._conditions)
 
     @property
     def exact_arcs(self) -> Sequence[Sequence[Any]]:
@@ -174,6 +176,28 @@ class _Path(PathEnds):
             return True if gap.whole > 0 else None
 
         return demand(everywhere(self.pieces, holds), "it is less somewhere", "on pieces, by balls")
+
+    @cached_property
+    def rates(self) -> Rates:
+        """The matrices of the rates of its legs."""
+        geometry, scale = self.mechanism.geometry, self.members["condition"]["length_scale"]
+        return Rates(geometry, self.mechanism.fixed, scale)
+
+    def _conditions(self) -> str:
+        low, high = (ball(self.members["condition"][name]) for name in ("min", "max"))
+        unit = ball(self.unit)
+
+        def holds(piece: Piece) -> bool | None:
+            self.work.spend(_OF_EIGENVALUES)
+            middle = piece.halves[0].controls[-1]
+            return is_between(
+                self.rates.at(middle, middle[2] * unit),
+                self.rates.at(piece.box, piece.box[2] * unit),
+                low,
+                high,
+            )
+
+        return demand(everywhere(self.pieces, holds), "one is not", "by singular values on pieces")
 
     def _between(self) -> str:
         between = self.members["between"]
@@ -343,7 +367,7 @@ class _Sample:
     def has_condition(self) -> str:
         """Proves its condition number."""
         path = self.path
-        number, square = self.sample.get("condition"), path.members["condition"]["length_scale"]
+        number = self.sample.get("condition")
         if number is None:
             raise Refused("it has none")
 
@@ -351,8 +375,7 @@ class _Sample:
             arcs = path.arcs()
             arc = min(int(self.sample["place"]), len(arcs) - 1)
             place = point_at(arcs[arc], self.sample["place"] - arc)
-            length = place[2] * ball(path.unit)
-            return condition_of(path.mechanism.geometry, path.mechanism.fixed, place, length, square)
+            return path.rates.condition(place, place[2] * ball(path.unit))
 
         return has_condition(number, at, path.work)
 

@@ -15,7 +15,7 @@ from rpr_solver.boxes import Box, Zero
 from rpr_solver.contract import LEGS, MOST_POSES, Progress
 from rpr_solver.verify.claims import Claim, Open, Refused, claim_by, compared, demand, settled
 from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
-from rpr_solver.verify.conditioning import SCALE, condition_of, has_condition
+from rpr_solver.verify.conditioning import SCALE, Rates, has_condition
 from rpr_solver.verify.equations import Lengths, Mechanism
 from rpr_solver.verify.finding import Found, poses_of
 from rpr_solver.verify.listed import Matching, Row, degrees
@@ -193,7 +193,7 @@ class _Poses:
 
         def at(bits: int) -> arb:
             box = zero.within(bits)
-            return condition_of(mechanism.geometry, mechanism.fixed, box, ball(length), square)
+            return Rates(mechanism.geometry, mechanism.fixed, square).condition(box, ball(length))
 
         return has_condition(number, at, self.work)
 

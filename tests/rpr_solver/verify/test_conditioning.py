@@ -54,14 +54,18 @@ def test_wrong_ones_of_poses_are_refused(name: str) -> None:
     assert place in [claim.at for claim in verify_document(document).claims if claim.status == "refused"]
 
 
-def test_those_of_samples_are_proved_and_the_bounds_are_named_as_open() -> None:
+def test_those_along_a_path_are_proved_or_refused() -> None:
     document = joint_path(INNOCENTI, 27, 20, 20, 1, 2, max_condition=12, samples=5).to_json()
-    verified = verify_document(document)
-    assert [claim.at for claim in verified.claims if claim.status != "proved"] == ["/condition"]
+    assert verify_document(document).verdict is Verdict.VERIFIED
     put(document, "samples", 2, "condition", value="7.83664709290306")
     put(document, "condition", "asked", value="9")
+    put(document, "condition", "min", value="3.5")
     refused = [claim.at for claim in verify_document(document).claims if claim.status == "refused"]
-    assert refused == ["/samples/2/condition", "/condition/asked"]
+    assert refused == ["/samples/2/condition", "/condition/asked", "/condition"]
+    put(document, "condition", "min", value="3.3")
+    put(document, "condition", "max", value="9.6")
+    refused = [claim.at for claim in verify_document(document).claims if claim.status == "refused"]
+    assert refused == ["/samples/2/condition", "/condition/asked", "/condition"]
 
 
 def test_that_an_end_is_ill_conditioned_is_proved_or_refused() -> None:
