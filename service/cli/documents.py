@@ -98,7 +98,7 @@ def _configure_export(parser: argparse.ArgumentParser) -> None:
 
     Options:
         FILE: a cusp table or a census as JSON, or -; a path for ROS 2, poses for SDFormat
-        --to: the system that runs it; msolve takes one slice only
+        --to: maple, msolve (one slice), pari, sage or sympy; ros2-json or ros2-yaml for a path, sdf for poses
         --unit: for robots: the unit of the geometry's lengths, which become metres
         --relative: for ROS 2: positions are changes of lengths since the start of the path
         --pose: for SDFormat: the number of the pose (default: 1)
