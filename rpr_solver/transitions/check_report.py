@@ -206,8 +206,8 @@ def check_counts(
     cuts = [length_text(slice_map, group, digits) for group in result.groups]
     ends = [exact_str(low), *cuts, exact_or_none(high)]
     intervals = []
-    for start, stop, part in zip(ends, ends[1:], result.slices, strict=False):
-        cusps = _within(result.eliminant, part.table, requirement)
+    for start, stop, part in zip(ends, ends[1:], result.tables, strict=False):
+        cusps = _within(result.eliminant, part, requirement)
         intervals.append(CheckedInterval(str(start), stop, len(cusps), part.length, cusps))
     degenerate = degeneracies(result, requirement.range, digits)
     return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)), degenerate)

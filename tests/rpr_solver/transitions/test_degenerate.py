@@ -162,6 +162,7 @@ def altered(singular: fmpz_mpoly, coalescence: fmpz_mpoly, *, root: int | None =
     slice_map = SliceMap(own.fixed_leg, own.scale, own.rho, own.radicand, own.f, own.g)
     for name, p in (("singular", singular), ("coalescence", coalescence)):
         vars(slice_map)[name] = BiForm.of(p, 1, *map(int, p.degrees()[:2]))
+    vars(slice_map)["tables"] = slice_map.singular.coefficients, slice_map.coalescence.coefficients
     a, none = fmpz_mat(25, 11), fmpz_mat(25, 11)
     if root is not None:
         for i, k in product(range(25), range(10)):

@@ -344,3 +344,18 @@ def test_a_pose_that_solves_several_systems_is_listed_once() -> None:
     [transition] = census(FOLDED, fixed_leg=3, digits=15, start="3.9", stop="4.1").transitions
     assert transition.length == "4.00000000000000"
     assert [event.kind for event in transition.events] == ["node"]
+
+
+@pytest.mark.parametrize("name", ["innocenti", "zein-flat", "sixteen-cusps", "eighteen-cusps"])
+@pytest.mark.parametrize("leg", [1, 2])
+def test_what_changes_at_events_is_what_slices_on_both_sides_have(name: str, leg: int) -> None:
+    found = survey(EXAMPLES[name], leg, silent)
+    counts = [solve_slice(found.eliminant, part.length, 15).count for part in found.slices]
+    assert [part.count for part in found.slices] == counts
+    proved = [
+        (before + sum(event.change for event in group), after)
+        for group, (before, after) in zip(found.groups, pairwise(counts), strict=True)
+        if all(event.change is not None for event in group)
+    ]
+    assert proved
+    assert all(expected == after for expected, after in proved)
