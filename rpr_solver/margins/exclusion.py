@@ -15,9 +15,9 @@ import numpy as np
 
 from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.contract import LENGTHS
-from rpr_solver.margins.expansions import Expansion, combined, lowest, where
+from rpr_solver.margins.expansions import ANGLES, Expansion, combined, lowest, where
 from rpr_solver.margins.options import MayGoOn
-from rpr_solver.margins.problems import ANGLES, BoxRing, Problem
+from rpr_solver.margins.problems import BoxRing, Problem
 from rpr_solver.margins.zones import Zones
 
 if TYPE_CHECKING:
@@ -121,23 +121,23 @@ class _Search:
         order = np.argsort(f < g, kind="stable")
         left, is_f = left[order], ~(f < g)[order]
         if left.size:
-            left, is_f, easy = self._first(systems, left, is_f)
+            systems, left, is_f, easy = self._first(systems, left, is_f)
         if not left.size:
             return left, boxes.low[:, left]
         known = None if self._zones is None else self._zones.known(boxes[left])
         return self._second(systems, ring, left, is_f, easy, known)
 
-    def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Places, Flags, Trial]:
+    def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Systems, Places, Flags, Trial]:
         """The boxes on which (K, E) may vanish, with v that of leg f or g, and what is known of them."""
         systems = whole.mapped(lambda x: x.of(places), 1)
         k = systems.singularity
         easy = self._trial([k.value, systems.along(partial(where, is_f), k).value])
-        left = ~easy.proved
-        return places[left], is_f[left], easy[left]
+        left = np.flatnonzero(~easy.proved)
+        return systems.mapped(lambda x: x.of(left), 2), places[left], is_f[left], easy[left]
 
     def _second(
         self,
-        whole: Systems,
+        systems: Systems,
         ring: BoxRing,
         places: Places,
         is_f: Flags,
@@ -145,7 +145,6 @@ class _Search:
         known: Flags | None,
     ) -> tuple[Places, Doubles]:
         """As :meth:`undecided`, of the boxes that are left."""
-        systems = whole.mapped(lambda x: x.of(places), 2)
         leg = partial(where, is_f)
         tests = self._problem.tests(systems, leg, lambda x: ring.constant(x).of(places))
         outside = np.zeros(places.shape, dtype=bool)
@@ -191,7 +190,7 @@ class Trial:
         """The boxes without a common zero."""
         return self.values > 0
 
-    def __getitem__(self, boxes: Flags) -> Trial:
+    def __getitem__(self, boxes: Places) -> Trial:
         return Trial(self.values[boxes], self.shares[:, boxes])
 
 

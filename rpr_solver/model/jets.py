@@ -77,18 +77,27 @@ class Jet(Generic[R]):
         order = min(self.order, other.order)
         return Jet.build(order, lambda i, j: join(self.table[i][j], other.table[i][j]))
 
-    def __mul__(self, other: Jet[R]) -> Jet[R]:
-        def entry(i: int, j: int) -> R:
-            total: Any = None
-            for k in range(i + 1):
-                for m in range(j + 1):
-                    term = self.table[k][m] * other.table[i - k][j - m]
-                    weight = comb(i, k) * comb(j, m)
-                    term = term * weight if weight != 1 else term
-                    total = term if total is None else total + term
-            return total  # type: ignore[no-any-return]
+    def mapped(self, function: Callable[[R], S]) -> Jet[S]:
+        """The image of the jet in another ring."""
+        return Jet(tuple(tuple(map(function, row)) for row in self.table))
 
-        return Jet.build(min(self.order, other.order), entry)
+    def up_to(self, order: int) -> Jet[R]:
+        """The derivatives up to a lower order."""
+        return Jet.build(order, lambda i, j: self.table[i][j])
+
+    def of_product(self, other: Jet[R], i: int, j: int) -> R:
+        """∂α^i ∂θ^j of the product with another function."""
+        total: Any = None
+        for k in range(i + 1):
+            for m in range(j + 1):
+                term = self.table[k][m] * other.table[i - k][j - m]
+                weight = comb(i, k) * comb(j, m)
+                term = term * weight if weight != 1 else term
+                total = term if total is None else total + term
+        return total  # type: ignore[no-any-return]
+
+    def __mul__(self, other: Jet[R]) -> Jet[R]:
+        return Jet.build(min(self.order, other.order), partial(self.of_product, other))
 
     def __sub__(self, other: Jet[R]) -> Jet[R]:
         return self.joined(other, sub)
