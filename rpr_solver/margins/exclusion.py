@@ -150,13 +150,14 @@ class _Search:
         outside = np.zeros(places.shape, dtype=bool)
         for limit, (*_, excess) in zip(self._problem.limits, tests[2:], strict=True):
             outside |= limit.side * excess.terms[0] > excess.change
-        trials = [self._trial(test) for test in tests]
-        values = np.array([trial.values for trial in trials])
+        joint = self._trial([Expansion.joined(part) for part in zip(*tests, strict=True)])
+        values, shares = (np.split(x, len(tests), axis=-1) for x in (joint.values, joint.shares))
+        values = np.array(values)
         if known is not None:
             values[: len(known)][known] = np.inf
         proved = (values > 0).all(axis=0)
         proved &= np.any([abs(x.terms[0]) > x.change for x in systems.tangent(leg)], axis=0)
-        shares = np.choose(values.argmin(axis=0), [trial.shares for trial in trials])
+        shares = np.choose(values.argmin(axis=0), shares)
         shares = np.where(easy.values > values.min(axis=0), easy.shares, shares)
         left = ~(proved | outside)
         unknown = np.isnan(shares).any(axis=0)
@@ -222,47 +223,40 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
 
     They minimise the sum of the absolute values of the other coefficients and the rests, nearly.
     """
-    scales = [1 / function.size for function in functions]
-    values = [function.terms[0] * scale for function, scale in zip(functions, scales, strict=True)]
-    others = [function.terms[1:] * scale for function, scale in zip(functions, scales, strict=True)]
-    rests = [function.rest * scale for function, scale in zip(functions, scales, strict=True)]
+    scales = np.array([1 / function.size for function in functions])
+    values = np.array([function.terms[0] for function in functions]) * scales
+    others = np.array([function.terms[1:] for function in functions]) * scales[:, None]
+    rests = np.array([function.rest for function in functions]) * scales
     best = np.full(values[0].shape, np.inf)
     chosen = np.full((len(functions), best.size), np.nan)
-    weights, own = np.ones_like(others[0]), [np.ones_like(best)] * len(functions)
+    weights, own = np.ones_like(others[0]), np.ones_like(rests)
     for _ in range(_ROUNDS):
-        factors = np.array(_least_squares(values, others, rests, weights, own))
+        factors = np.array(_solved(_squares(others, rests, weights, own), values))
         factors /= (factors * values).sum(axis=0)
-        terms = abs(sum(factor * other for factor, other in zip(factors, others, strict=True)))
+        terms = abs((factors[:, None] * others).sum(axis=0))
         parts = abs(factors) * rests
         total = terms.sum(axis=0) + parts.sum(axis=0)
         better = total < best
         best[better], chosen[:, better] = total[better], factors[:, better]
         small = _SMALL * total
-        weights, own = 1 / (terms + small), list(1 / (parts + small))
+        weights, own = 1 / (terms + small), 1 / (parts + small)
     return chosen * scales
 
 
-def _least_squares(
-    values: Sequence[Doubles],
-    others: Sequence[Doubles],
-    rests: Sequence[Doubles],
-    weights: Doubles,
-    own: Sequence[Doubles],
-) -> list[Doubles]:
-    """The multipliers that minimise the weighted squares, up to a common factor.
+def _squares(others: Doubles, rests: Doubles, weights: Doubles, own: Doubles) -> list[list[Doubles]]:
+    """The lower triangle of the matrix of weighted least squares.
 
     Args:
-        values: of the functions.
-        others: their other terms.
+        others: the functions' terms beside their values.
         rests: what these leave out.
         weights: of the other terms.
         own: of the rests.
     """
-    weighted = [weights * x for x in others]
-    matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
-    for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
-        matrix[k][k] = matrix[k][k] + weight * rest**2
-    return _solved(matrix, values)
+    weighted = weights * others
+    matrix = [list((x * others[: k + 1]).sum(axis=1)) for k, x in enumerate(weighted)]
+    for k, square in enumerate(own * rests**2):
+        matrix[k][k] = matrix[k][k] + square
+    return matrix
 
 
 def _solved(matrix: Sequence[Sequence[Doubles]], values: Sequence[Doubles]) -> list[Doubles]:

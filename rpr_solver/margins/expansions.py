@@ -8,6 +8,7 @@ Many boxes are done at once: arrays have a row for each coefficient and a column
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import nan
@@ -77,12 +78,29 @@ class Layout:
         """The number of coefficients."""
         return int(self.bends.start + len(self.pairs[0]))
 
+    @cached_property
+    def _places(self) -> Places:
+        """The place of each tⱼ tₖ among them: a symmetric table."""
+        table = np.empty((self.variables, self.variables), dtype=np.int64)
+        j, k = self.pairs
+        table[j, k] = table[k, j] = np.arange(len(j))
+        return table
+
+    @cached_property
+    def _partners(self) -> Places:
+        """The places of the tⱼ tₖ with each k, tₖ² twice."""
+        return np.array([np.insert(row, k, row[k]) for k, row in enumerate(self._places)])
+
+    @cached_property
+    def others(self) -> tuple[Places, Places]:
+        """The places of the tⱼ tₖ with each k and j ≠ k, and these j."""
+        count = np.arange(self.variables)
+        others = np.array([np.delete(count, k) for k in count])
+        return np.take_along_axis(self._places, others, 1), others
+
     def per_variable(self, bends: Doubles) -> Doubles:
         """For each k the sum of numbers for tⱼ tₖ, those of tₖ² twice."""
-        sums = np.zeros((self.variables, *bends.shape[1:]))
-        for row, (j, k) in zip(bends, zip(*self.pairs, strict=True), strict=True):
-            sums[j] += row
-            sums[k] += row
+        sums: Doubles = np.add.reduce(bends.take(self._partners, 0), axis=1)
         return sums
 
 
@@ -159,6 +177,12 @@ class Expansion:
         return Expansion(
             self.terms.take(boxes, 1), self.rest[boxes], self.layout, self.bound[boxes], self.depends
         )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Expansion]) -> Expansion:
+        """A function on the boxes of several."""
+        terms, rest = np.concatenate([x.terms for x in parts], 1), np.concatenate([x.rest for x in parts])
+        return cls(terms, rest, parts[0].layout)
 
     def __add__(self, other: Expansion) -> Expansion:
         return self._sum(other, self.terms + other.terms)
@@ -296,10 +320,9 @@ def lowest(function: Expansion) -> Doubles:
     mixed = j != k
     least: Doubles = terms[0] + (slopes * ends).sum(axis=0) + (bends * ends[j] * ends[k]).sum(axis=0)
     own = bends[~mixed]
-    left = slopes.copy()
-    for row, first, second in zip(bends[mixed], j[mixed], k[mixed], strict=True):
-        left[first] += row * ends[second]
-        left[second] += row * ends[first]
+    places, partners = at.others
+    moved = bends.take(places, 0) * ends.take(partners, 0)
+    left = np.add.reduce(np.concatenate([slopes[:, None], moved], axis=1), axis=1)
     left = np.where(is_monotonic, 0, abs(left))
     inside = (own > 0) & (left < 2 * own)
     own_least = np.where(inside, -left * left / (4 * np.where(inside, own, 1)), own - left)
