@@ -151,13 +151,13 @@ class _Search:
         for limit, (*_, excess) in zip(self._problem.limits, tests[2:], strict=True):
             outside |= limit.side * excess.terms[0] > excess.change
         joint = self._trial([Expansion.joined(part) for part in zip(*tests, strict=True)])
-        values, shares = (np.split(x, len(tests), axis=-1) for x in (joint.values, joint.shares))
-        values = np.array(values)
+        values = joint.values.reshape(len(tests), -1)
+        several = np.split(joint.shares, len(tests), axis=1)
         if known is not None:
             values[: len(known)][known] = np.inf
         proved = (values > 0).all(axis=0)
         proved &= np.any([abs(x.terms[0]) > x.change for x in systems.tangent(leg)], axis=0)
-        shares = np.choose(values.argmin(axis=0), shares)
+        shares = np.choose(values.argmin(axis=0), several)
         shares = np.where(easy.values > values.min(axis=0), easy.shares, shares)
         left = ~(proved | outside)
         unknown = np.isnan(shares).any(axis=0)
@@ -240,7 +240,8 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
         best[better], chosen[:, better] = total[better], factors[:, better]
         small = _SMALL * total
         weights, own = 1 / (terms + small), 1 / (parts + small)
-    return chosen * scales
+    unscaled: Doubles = chosen * scales
+    return unscaled
 
 
 def _squares(others: Doubles, rests: Doubles, weights: Doubles, own: Doubles) -> list[list[Doubles]]:
