@@ -32,7 +32,6 @@ from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
 
 _FIRST_BITS = 128
-_FIRST_REACH = Fraction(1, 32)
 
 
 class Lost(ControlFlow):
@@ -56,7 +55,6 @@ class Follower:
         self._forms = forms
         self._start, self._begin, self._upwards = start, length, upwards
         self._bits = _FIRST_BITS
-        self._reach = ball_of(_FIRST_REACH)
         self.tube: Tube | None = None
         self.work = 0
 
@@ -88,12 +86,12 @@ class Follower:
         following = decided_or_none(tube, self._bits, TUBE_BITS)
         if following is None:
             raise Lost
-        self.tube, self._reach = following, 2 * following.reach
+        self.tube = following
 
     def _next(self, low: arb, high: arb) -> Tube | None:
         if self.tube is None:
             around = Neighbourhood.at(self._forms, self._start(self._bits), ball_of(self._begin), self._bits)
-            return build(around, ALONG_L, self._upwards, self._reach)
+            return build(around, ALONG_L, self._upwards)
         tube = self.tube
         around = Neighbourhood.at(self._forms, *tube.end(), self._bits)
         heading = around.heading(tube.axis, tube.forwards)
@@ -101,12 +99,12 @@ class Follower:
             return None
         axis, forwards, upwards = heading
         if axis == ALONG_L:
-            return build(around, axis, forwards, self._reach)
-        across = build(around, axis, forwards, self._reach, between=(low, high))
-        if (across and across.reach * 4 > self._reach) or upwards is None:
+            return build(around, axis, forwards)
+        across = build(around, axis, forwards, between=(low, high))
+        if (across and across.reach * 4 > across.most) or upwards is None:
             return across
-        worth = (axis, across.reach) if across else None
-        return build(around, ALONG_L, upwards, self._reach, worth=worth) or across
+        along = build(around, ALONG_L, upwards)
+        return along if along and (across is None or along.advance(axis) > across.reach) else across
 
 
 _TUBES_A_TURN = 16
