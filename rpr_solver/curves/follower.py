@@ -83,7 +83,8 @@ class Follower:
             with ctx.workprec(bits):
                 return self._next(ball_of(low), ball_of(high))
 
-        following = decided_or_none(tube, self._bits, TUBE_BITS)
+        # a narrow place behind may have needed more
+        following = decided_or_none(tube, max(_FIRST_BITS, self._bits // 2), TUBE_BITS)
         if following is None:
             raise Lost
         self.tube = following

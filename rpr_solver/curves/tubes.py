@@ -37,20 +37,20 @@ from rpr_solver.exact.real_roots import ball_of
 
 _BOUND_BITS = 64
 """The precision of bounds over a tube, which need few digits."""
-_LEAST_TERMS, _MOST_TERMS = 8, 64
-"""Coefficients of the polynomials that follow a curve."""
+_LEAST_TERMS = 8
+"""Coefficients of the polynomials that follow a curve, in the first trial."""
 _WIDE = arb(1) / 2
 """How far the terms of these polynomials reach at most, in half tangents, where their rest is bounded."""
-_WIDEST = arb(1) / 16
-"""The greatest radius of a tube."""
+_WIDER = 4
+"""How many times wider a tube may be than its first trial."""
 _SLIM = arb(2) ** -20
 """The radius of a tube round a curve that is met exactly, as a share of the reach."""
-_TRIALS = 8
-"""Trials of a reach. With fewer, tubes are shorter."""
-_WORTH = 4
-"""Twice the terms are taken if a tube has less than this share of the reach that its polynomials may have."""
-_LEAST_PIECE = 1 << 80
-"""Pieces of a tube, in which it is seen how far it stays between two lengths, are at most so many."""
+_TRIALS, _CLOSE = 9, 1.3
+"""Trials of a reach, and how close they come to the greatest. With fewer, tubes are shorter."""
+_WORTH = {8: 4, 16: 5, 32: 12}
+"""By number of terms: twice as many are taken if the reach is less than this part of what it might be."""
+_LEAST_PIECE, _MOST_PIECES = arb(2) ** 80, 400
+"""The least piece, as a share of a tube, in which it is seen how far it stays between two lengths; and how many."""
 
 Polynomials = tuple[arb_poly, arb_poly]
 
@@ -125,7 +125,10 @@ def build(
     if max(p.rad(), q.rad()) > arb(2) ** -(around.bits // 2):
         p, q = _contracted(forms, r, (p, q))
     least = max(abs(r).abs_upper(), arb(2) ** -(around.bits // 3))
-    system, best = _System.of(forms), None
+    ready = _preconditioned(forms)
+    if ready is None:
+        return None
+    system, best = _System.of(ready), None
     course = _Course.along(system, (arb_poly([]), arb_poly([])), 1, None)
     # Each course has twice the terms of the one before.
     while course is not None:
@@ -139,7 +142,7 @@ def build(
             reach, radii = found
             if best is None or reach > best[0].reach:
                 best = Tube(around.frame, axis, forwards, forms, course.path, reach, radii, reach), trials
-            if reach * _WORTH > trials.most or course.terms >= _MOST_TERMS:
+            if course.terms not in _WORTH or reach * _WORTH[course.terms] > trials.most:
                 break
         course = course.improved()
     if best is None or between is None:
@@ -151,7 +154,9 @@ def build(
 def _cut(tube: Tube, trials: _Trials, start: arb, low: arb, high: arb) -> Tube | None:
     """The part of a tube in which z stays strictly between two values, from a start on."""
     tube = replace(tube, reach=_stays_until(tube.path[1], tube._last(), start, low, high, arb(0)))
-    # A shorter tube is much slimmer.
+    height = tube.path[1](start)
+    room = min(height - low, high - height)
+    # The radii are about as a power of the reach.
     for _ in range(_TRIALS):
         if not tube.reach > abs(start):
             return None
@@ -161,7 +166,8 @@ def _cut(tube: Tube, trials: _Trials, start: arb, low: arb, high: arb) -> Tube |
             until = _stays_until(tube.path[1], tube._last(), start, low, high, radii[1])
             if until >= abs(tube._last()):
                 return replace(tube, radii=radii)
-        tube = replace(tube, reach=(tube.reach * 0.7).mid())
+        share = 0.7 if radii is None else float((room / (8 * radii[1])).root(trials.course.terms).mid())
+        tube = replace(tube, reach=(tube.reach * min(max(share, 1 / 16), 0.7)).mid())
     return None
 
 
@@ -170,7 +176,9 @@ def _stays_until(height: arb_poly, last: arb, start: arb, low: arb, high: arb, r
     r, step = start, (last - start).mid()
     least = abs(step) / _LEAST_PIECE
     # Invariant: the path stays between from the start to r. Pieces are halved down to the least.
-    while abs(step) >= least:
+    for _ in range(_MOST_PIECES):
+        if not abs(step) > least:
+            break
         end = last if abs(r + step) >= abs(last) else (r + step).mid()
         z = height(r.union(end))
         if not (low < z - radius and z + radius < high):
@@ -191,6 +199,19 @@ def _by_power(form: Expansion, axis: int) -> Expansion:
     if axis == 0:
         return [arb_mat([[layer[i][j] for layer in layers] for j in size]) for i in size]
     return [arb_mat([[layer[i][j] for layer in layers] for i in size]) for j in size]
+
+
+def _preconditioned(forms: tuple[Expansion, Expansion]) -> tuple[Expansion, Expansion] | None:
+    """About the inverse of the Jacobian matrix at the origin, times (J, E): what they share is cancelled there."""
+    (a, b), (c, d) = ((form[0][1, 0].mid(), form[0][0, 1].mid()) for form in forms)
+    det = (a * d - b * c).mid()
+    if not det or not det.is_finite():
+        return None
+    first, second = (
+        [m * (x / det).mid() + n * (y / det).mid() for m, n in zip(*forms, strict=True)]
+        for x, y in ((d, -b), (-c, a))
+    )
+    return first, second
 
 
 @dataclass(frozen=True)
@@ -328,19 +349,26 @@ class _Trials:
     def of(cls, course: _Course, off: Two) -> _Trials:
         """Trials of tubes that hold a start, so far off the path."""
         most = _widest(course.path)
-        return cls(course, off, most, _tables(course, most, arb(0)))
+        return cls(course, off, most, _tables(course, most, (arb(0), arb(0))))
 
     def longest(self, least: arb) -> tuple[arb, Two] | None:
         """A long reach at which the tube is proved, with its radii; None if it is proved for none."""
-        reach = (self.most * 0.7).mid()
+        best, reach, failed = None, (self.most * 0.7).mid(), None
         for _ in range(_TRIALS):
             if not reach > least:
-                return None
+                break
             radii, steep = self.radii(reach)
             if radii is not None:
-                return reach, radii
-            reach = (reach * _shortening(steep, self.course.terms)).mid()
-        return None
+                best = reach, radii
+            elif best is not None:
+                failed = reach
+            else:
+                failed, reach = reach, (reach * _shortening(steep, self.course.terms)).mid()
+                continue
+            if failed is None or failed < best[0] * _CLOSE:
+                break
+            reach = (best[0] * failed).sqrt().mid()
+        return best
 
     def radii(self, reach: arb) -> tuple[Two | None, arb]:
         """As :func:`contracting_radii`."""
@@ -353,7 +381,10 @@ class _Trials:
             for rest, row, offset in zip(course.rests, inverse, self.off, strict=True)
         ]
         lost = [[abs(table[1, 0]) * share, abs(table[0, 1]) * share] for table in self.whole]
-        bends = _tables(course, reach, _WIDEST)
+        # a curve that the path meets exactly, as a fixed pose, needs a positive radius all the same
+        first, second = (2 * x if x > 0 else reach * _SLIM for x in residues)
+        widest = _WIDER * first, _WIDER * second
+        bends = _tables(course, reach, widest)
         curved = [[[abs(t[2, 0]), abs(t[1, 1])], [abs(t[1, 1]), abs(t[0, 2])]] for t in bends]
 
         def slopes(radii: Two) -> Slopes:
@@ -373,11 +404,9 @@ class _Trials:
                 rows.append((entries[0].abs_upper(), entries[1].abs_upper()))
             return rows[0], rows[1]
 
-        # a curve that the path meets exactly, as a fixed pose, needs a positive radius all the same
-        first, second = (2 * x if x > 0 else reach * _SLIM for x in residues)
         radii, steep = contracting_radii((residues[0], residues[1]), (first, second), slopes)
-        if radii is not None and not max(radii) < _WIDEST:
-            return None, arb(1)
+        if radii is not None and not all(x <= y for x, y in zip(radii, widest, strict=True)):
+            return None, steep.max(arb(1))
         return radii, steep
 
 
@@ -393,10 +422,10 @@ def _widest(path: Polynomials) -> arb:
     return arb(2) ** arb(-least)
 
 
-def _tables(course: _Course, reach: arb, more: arb) -> list[arb_mat]:
+def _tables(course: _Course, reach: arb, more: Two) -> list[arb_mat]:
     """Bounds of J and E, and of their derivatives up to the second, for |r| ≤ reach and beside the path."""
     r = arb(0, reach)
-    p, q = (arb(0, (abs(x(r)) + more).abs_upper()) for x in course.path)
+    p, q = (arb(0, (abs(x(r)) + y).abs_upper()) for x, y in zip(course.path, more, strict=True))
     return tables([at_parameter(form, r) for form in course.system.forms], p, q)
 
 
