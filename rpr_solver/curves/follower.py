@@ -32,6 +32,8 @@ from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
 
 _FIRST_BITS = 128
+_UNIT_TERMS = 16
+"""The terms of a tube that takes one unit of work more than a trial that fails."""
 
 
 class Lost(ControlFlow):
@@ -46,7 +48,8 @@ class Follower:
 
     Attributes:
         tube: the last tube; None before the first step.
-        work: the tubes that were tried, each counted once for every 256 bits of its precision.
+        work: the tubes that were tried, by their terms and their precision: a unit takes one to three
+            milliseconds.
     """
 
     def __init__(
@@ -83,11 +86,12 @@ class Follower:
             with ctx.workprec(bits):
                 return self._next(ball_of(low), ball_of(high))
 
-        # a narrow place behind may have needed more
+        # a narrow place behind may have needed more bits
         following = decided_or_none(tube, max(_FIRST_BITS, self._bits // 2), TUBE_BITS)
         if following is None:
             raise Lost
         self.tube = following
+        self.work += following.terms // _UNIT_TERMS * max(1, self._bits // 256)
 
     def _next(self, low: arb, high: arb) -> Tube | None:
         if self.tube is None:
@@ -109,15 +113,15 @@ class Follower:
 
 
 _TUBES_A_TURN = 16
-_PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
+_PATIENCE, _GREAT_PATIENCE = 160, 1 << 13
 """The budget of tubes for one cusp: between slices of a survey, and between arbitrary slices."""
 _TOO_MUCH = (
     "the cusps could not be followed within a bound of work: slices with different numbers of cusps are too "
     "close to each other, as those of a manipulator that nearly has a special shape"
 )
-_MOST_WORK = 5000
-"""The greatest work between all slices of a survey, or between two others: a few seconds. All curves of a
-manipulator with 18 cusps take 2,400; beside a special shape some take more than 50,000."""
+_MOST_WORK = 2200
+"""The greatest work between all slices of a survey, or between two others: four to seven seconds. All curves of
+a manipulator with 18 cusps take 500; beside a special shape most take 500 to 1,500."""
 
 Cusp = tuple[Fraction, int]
 """A cusp by the length of its slice and its index in the table, from 0."""
@@ -158,10 +162,12 @@ class Tracker:
         high: Fraction,
         *,
         until_full: Fraction | None = None,
+        starts: Mapping[Cusp, int] | None = None,
     ) -> dict[int, Cusp]:
         """The first cusp of two slices that each follower reaches, without leaving the lengths between.
 
-        Followers that reach neither slice are omitted. With ``until_full``, stop as soon as every cusp of
+        Followers that reach neither slice are omitted. ``starts`` names the followers that have not moved yet, or
+        stand at a cusp, by this cusp: if one reaches the cusp of another, the latter reaches that of the former. With ``until_full``, stop as soon as every cusp of
         that slice has been matched, and spend a larger budget until then.
 
         Raises:
@@ -177,6 +183,8 @@ class Tracker:
         scaled_low, scaled_high = ends
         while waiting and still_free != 0:
             name, follower, spent = waiting.popleft()
+            if name in met:
+                continue
             if self._left <= 0:
                 raise Unproved(_TOO_MUCH)
             self._left += follower.work
@@ -190,6 +198,9 @@ class Tracker:
                 scaled, place = arrival
                 length = ends[scaled]
                 met[name] = length, self._index(place, length)
+                other = (starts or {}).get(met[name])
+                if other is not None:
+                    met[other] = next(cusp for cusp, its in (starts or {}).items() if its == name)
                 if still_free is not None and length == until_full:
                     still_free -= 1
             elif spent < patience:

@@ -59,7 +59,7 @@ Polynomials = tuple[arb_poly, arb_poly]
 class Tube:
     """For |r| ≤ reach, all points within ``radii`` of the path in p and in q.
 
-    ``start`` is a parameter at which the curve has been reached, ``most`` the reach before it was cut.
+    ``most`` is the reach before it was cut.
     """
 
     frame: Frame
@@ -70,6 +70,11 @@ class Tube:
     most: arb
     radii: Two
     reach: arb
+
+    @property
+    def terms(self) -> int:
+        """The number of coefficients of the path."""
+        return max(x.length() for x in self.path)
 
     def meets(self, low: Fraction, high: Fraction) -> Fraction | None:
         """The length, of two, that the tube contains and leads to, with L as parameter; else None."""
