@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from itertools import pairwise
 
 from flint import arb, ctx
 
@@ -103,9 +104,10 @@ class Follower:
         if heading is None:
             return None
         axis, forwards, upwards = heading
+        terms = tube.terms // 2
         if axis == ALONG_L:
-            return build(around, axis, forwards)
-        across = build(around, axis, forwards, between=(low, high))
+            return build(around, axis, forwards, terms=terms)
+        across = build(around, axis, forwards, between=(low, high), terms=terms)
         if (across and across.reach * 4 > across.most) or upwards is None:
             return across
         along = build(around, ALONG_L, upwards)
@@ -113,15 +115,18 @@ class Follower:
 
 
 _TUBES_A_TURN = 16
-_PATIENCE, _GREAT_PATIENCE = 160, 1 << 13
-"""The budget of tubes for one cusp: between slices of a survey, and between arbitrary slices."""
+_PATIENCE, _NEAR_PATIENCE, _GREAT_PATIENCE = 64, 192, 1 << 13
+"""The budget of tubes for one cusp: between slices of a survey, also if some are close, as beside special
+shapes, and between arbitrary slices."""
+_CLOSE = Fraction(1, 10**5)
+"""How close, as a share of their length, slices of a survey are beside special shapes."""
 _TOO_MUCH = (
     "the cusps could not be followed within a bound of work: slices with different numbers of cusps are too "
     "close to each other, as those of a manipulator that nearly has a special shape"
 )
-_MOST_WORK = 2200
-"""The greatest work between all slices of a survey, or between two others: four to seven seconds. All curves of
-a manipulator with 18 cusps take 500; beside a special shape most take 500 to 1,500."""
+_MOST_WORK = 2600
+"""The greatest work between all slices of a survey, or between two others: five to eight seconds. All curves
+of a manipulator with 18 cusps take 500; beside a special shape most take 500 to 2,000."""
 
 Cusp = tuple[Fraction, int]
 """A cusp by the length of its slice and its index in the table, from 0."""
@@ -138,6 +143,11 @@ class Tracker:
         self.forms = CuspForms(eliminant.slice_map)
         self._tables = {(table.length, digits): table for table in known}
         self._left = _MOST_WORK
+        lengths = sorted(length for length, _ in self._tables)
+        is_near = any(
+            above - below < _CLOSE * above or below < _CLOSE * above for below, above in pairwise(lengths)
+        )
+        self._patience = _NEAR_PATIENCE if is_near else _PATIENCE
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
         """The table of a slice, cached."""
@@ -166,16 +176,16 @@ class Tracker:
     ) -> dict[int, Cusp]:
         """The first cusp of two slices that each follower reaches, without leaving the lengths between.
 
-        Followers that reach neither slice are omitted. ``starts`` names the followers that have not moved yet, or
-        stand at a cusp, by this cusp: if one reaches the cusp of another, the latter reaches that of the former. With ``until_full``, stop as soon as every cusp of
-        that slice has been matched, and spend a larger budget until then.
+        Followers that reach neither slice are omitted. With ``until_full``, stop as soon as every cusp of
+        that slice has been matched, and spend a larger budget until then. ``starts`` names followers by the
+        cusps at which they stand: if one comes to the cusp of another, the other comes to that of the one.
 
         Raises:
             Unproved: the curves take too many tubes.
         """
         if until_full is not None:
             self._left = _MOST_WORK
-        patience = _PATIENCE if until_full is None else _GREAT_PATIENCE
+        patience = self._patience if until_full is None else _GREAT_PATIENCE
         met: dict[int, Cusp] = {}
         still_free = None if until_full is None else self.table(until_full).count
         waiting = deque((name, follower, 0) for name, follower in followers.items())

@@ -1,8 +1,8 @@
 """J = E = 0 about one of its points, expanded exactly in local coordinates.
 
-The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = (L − L₀)/(L + L₀), numbered 0, 1, 2. Rotating the half
-angles moves the point to x = y = 0, so it is never at infinity; all lengths > 0 are −1 < z < 1. Angles are those
-of the turns of the forms (model/bridge.py), and forms are taken at the tangents of their halves.
+The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = (L − L₀)/(L + L₀), numbered 0, 1, 2. Rotating the
+half angles moves the point to x = y = 0, so it is never at infinity; all lengths > 0 are −1 < z < 1. Angles
+are those of the turns of the forms (model/bridge.py), and forms are taken at the tangents of their halves.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import exp
 
 from flint import arb, arb_mat, arb_poly, ctx
 
@@ -50,7 +51,7 @@ _TRIALS, _CLOSE = 9, 1.3
 _WORTH = {8: 4, 16: 5, 32: 12}
 """By number of terms: twice as many are taken if the reach is less than this part of what it might be."""
 _LEAST_PIECE, _MOST_PIECES = arb(2) ** 80, 400
-"""The least piece, as a share of a tube, in which it is seen how far it stays between two lengths; and how many."""
+"""The least piece of a tube, as a share, in which it is seen how far it stays between lengths; and how many."""
 
 Polynomials = tuple[arb_poly, arb_poly]
 
@@ -115,12 +116,12 @@ class Tube:
 
 
 def build(
-    around: Neighbourhood, axis: int, forwards: bool, *, between: Two | None = None, terms: int = _LEAST_TERMS
+    around: Neighbourhood, axis: int, forwards: bool, *, between: Two | None = None, terms: int = 0
 ) -> Tube | None:
     """A tube with one coordinate as parameter, as long as it is worth its work.
 
-    With ``between`` the curve in the tube stays strictly between two lengths. None if no such tube can be
-    built at this precision.
+    With ``between`` the curve in the tube stays strictly between two lengths. Fewer ``terms`` are not tried.
+    None if no such tube can be built at this precision.
     """
     first, second = (_by_power(form, axis) for form in around.forms)
     forms = first, second
@@ -137,7 +138,7 @@ def build(
     course = _Course.along(system, (arb_poly([]), arb_poly([])), 1, None)
     # Each course has twice the terms of the one before.
     while course is not None:
-        if course.terms >= terms:
+        if course.terms >= max(terms, _LEAST_TERMS):
             off = abs(p - course.path[0](r)).abs_upper(), abs(q - course.path[1](r)).abs_upper()
             with ctx.workprec(_BOUND_BITS):
                 trials = _Trials.of(course, off)
@@ -207,7 +208,7 @@ def _by_power(form: Expansion, axis: int) -> Expansion:
 
 
 def _preconditioned(forms: tuple[Expansion, Expansion]) -> tuple[Expansion, Expansion] | None:
-    """About the inverse of the Jacobian matrix at the origin, times (J, E): what they share is cancelled there."""
+    """About the inverse of the Jacobian matrix at the origin, times (J, E): what they share cancels."""
     (a, b), (c, d) = ((form[0][1, 0].mid(), form[0][0, 1].mid()) for form in forms)
     det = (a * d - b * c).mid()
     if not det or not det.is_finite():
@@ -232,9 +233,7 @@ class _System:
     def of(cls, forms: tuple[Expansion, Expansion]) -> _System:
         """Both forms by powers of the parameter."""
         layers = [[m.tolist() for m in form] for form in forms]
-        rows = [
-            [c for layer in form for c in layer[i]] for form in layers for i in range(len(form[0]))
-        ]
+        rows = [[c for layer in form for c in layer[i]] for form in layers for i in range(len(form[0]))]
         slopes = [
             [c for layer in form for c in (*(k * c for k, c in enumerate(layer[i][1:], 1)), arb(0))]
             for form in layers
@@ -280,14 +279,12 @@ class _Course:
     """Polynomials that follow a curve, with so many terms, and what is left of J and E along them.
 
     Attributes:
-        system: J and E.
         path: p̂ and q̂.
-        terms: their number of coefficients.
-        adjoint: A, by rows, with as many.
+        terms: their number of coefficients, n.
+        inverse: A, by rows, with as many.
         reciprocal: of the determinant of the Jacobian matrix, with as many.
-        residues: (J, E) along the path, up to twice as many.
-        rests: A times (J, E), up to there.
-        slopes: the Jacobian matrix along the path, with as many.
+        rests: A (J, E) along the path, but for the terms of J and E from r²ⁿ on.
+        changes: A times the Jacobian matrix, less the identity, but for the terms of the latter from rⁿ on.
     """
 
     system: _System
@@ -296,9 +293,7 @@ class _Course:
     inverse: tuple[Polynomials, Polynomials]
     reciprocal: arb_poly
     rests: Polynomials
-    """A (J, E) along the path, up to twice the terms of J and E."""
     changes: tuple[Polynomials, Polynomials]
-    """A times the Jacobian matrix, less the identity, up to the terms of the latter."""
 
     @classmethod
     def along(
@@ -341,8 +336,8 @@ class _Course:
 class _Trials:
     """Trials of tubes along a course.
 
-    What is neglected of J, E and their slopes is at most (reach/most)ⁿ times what the sums of all their terms'
-    absolute values are at ``most``.
+    What is neglected of J and E is at most (reach/most)²ⁿ times the sums of the absolute values of all their terms
+    at ``most``; of their slopes, (reach/most)ⁿ times.
     """
 
     course: _Course
@@ -354,7 +349,8 @@ class _Trials:
     def of(cls, course: _Course, off: Two) -> _Trials:
         """Trials of tubes that hold a start, so far off the path."""
         most = _widest(course.path)
-        return cls(course, off, most, _tables(course, most, (arb(0), arb(0))))
+        p, q = (arb_poly([abs(c) for c in x.coeffs()])(most) for x in course.path)
+        return cls(course, off, most, _tables(course, most, (p, q)))
 
     def longest(self, least: arb) -> tuple[arb, Two] | None:
         """A long reach at which the tube is proved, with its radii; None if it is proved for none."""
@@ -389,7 +385,8 @@ class _Trials:
         # a curve that the path meets exactly, as a fixed pose, needs a positive radius all the same
         first, second = (2 * x if x > 0 else reach * _SLIM for x in residues)
         widest = _WIDER * first, _WIDER * second
-        bends = _tables(course, reach, widest)
+        p, q = (abs(x(r)) + y for x, y in zip(course.path, widest, strict=True))
+        bends = _tables(course, reach, (p, q))
         curved = [[[abs(t[2, 0]), abs(t[1, 1])], [abs(t[1, 1]), abs(t[0, 2])]] for t in bends]
 
         def slopes(radii: Two) -> Slopes:
@@ -427,11 +424,13 @@ def _widest(path: Polynomials) -> arb:
     return arb(2) ** arb(-least)
 
 
-def _tables(course: _Course, reach: arb, more: Two) -> list[arb_mat]:
-    """Bounds of J and E, and of their derivatives up to the second, for |r| ≤ reach and beside the path."""
-    r = arb(0, reach)
-    p, q = (arb(0, (abs(x(r)) + y).abs_upper()) for x, y in zip(course.path, more, strict=True))
-    return tables([at_parameter(form, r) for form in course.system.forms], p, q)
+def _tables(course: _Course, reach: arb, box: Two) -> list[arb_mat]:
+    """Sums of the absolute values of all terms of J and E, and of their derivatives up to the second.
+
+    For |r| ≤ reach, and p and q up to the corner of a box.
+    """
+    p, q = (arb(0, x.abs_upper()) for x in box)
+    return tables([at_parameter(form, arb(0, reach)) for form in course.system.forms], p, q)
 
 
 def _shortening(steepness: arb, terms: int) -> float:
@@ -439,7 +438,6 @@ def _shortening(steepness: arb, terms: int) -> float:
     if not steepness.is_finite():
         return 1 / 8
     size = float(steepness.log().mid()) if steepness > 0 else 0.0
-    from math import exp
     return min(max(exp(-(size + 1.2) / terms), 1 / 8), 0.85)
 
 
