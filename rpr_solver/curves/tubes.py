@@ -51,7 +51,7 @@ _TRIALS, _CLOSE = 9, 1.3
 _WORTH = {8: 4, 16: 5, 32: 12}
 """By number of terms: twice as many are taken if the reach is less than this part of what it might be."""
 _LEAST_PIECE, _MOST_PIECES = arb(2) ** 80, 400
-"""The least piece of a tube, as a share, in which it is seen how far it stays between lengths; and how many."""
+"""The least piece of a tube, as a share, in which it is seen how far it stays between lengths; how many."""
 
 Polynomials = tuple[arb_poly, arb_poly]
 
@@ -336,8 +336,8 @@ class _Course:
 class _Trials:
     """Trials of tubes along a course.
 
-    What is neglected of J and E is at most (reach/most)²ⁿ times the sums of the absolute values of all their terms
-    at ``most``; of their slopes, (reach/most)ⁿ times.
+    What is neglected of J and E is at most (reach/most)²ⁿ times the sums of the absolute values of all their
+    terms at ``most``; of their slopes, (reach/most)ⁿ times.
     """
 
     course: _Course
