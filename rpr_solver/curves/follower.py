@@ -124,7 +124,7 @@ _TOO_MUCH = (
     "the cusps could not be followed within a bound of work: slices with different numbers of cusps are too "
     "close to each other, as those of a manipulator that nearly has a special shape"
 )
-_MOST_WORK = 2200
+_MOST_WORK = 2000
 """The greatest work between all slices of a survey, or between two others: four to seven seconds. All curves
 of a manipulator with 18 cusps take 400; beside a special shape most take 400 to 1,800."""
 
