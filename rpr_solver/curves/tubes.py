@@ -48,7 +48,7 @@ _SLIM = arb(2) ** -20
 """The radius of a tube round a curve that is met exactly, as a share of the reach."""
 _TRIALS, _CLOSE = 9, 1.3
 """Trials of a reach, and how close they come to the greatest. With fewer, tubes are shorter."""
-_WORTH = {8: 3, 16: 8, 32: 40}
+_WORTH = {8: 4, 16: 10, 32: 40}
 """By number of terms: twice as many are taken if the reach is less than this part of what it might be."""
 _LEAST_PIECE, _MOST_PIECES = arb(2) ** 80, 400
 """The least piece of a tube, as a share, in which it is seen how far it stays between lengths; how many."""
