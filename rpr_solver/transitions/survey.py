@@ -13,9 +13,9 @@ change it. If events are not isolated, their lengths are not known, and no numbe
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, cmp_to_key, lru_cache, partial
+from functools import cached_property, cmp_to_key, partial
 from itertools import pairwise
 from math import prod
 
@@ -300,25 +300,12 @@ def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     if geometry.is_similar and geometry.base.area16:
         return _Found("components", tuple(_of_similar(eliminant)), lambda _leg, _square: iter(()), once)
     try:
-        systems = _systems(eliminant.slice_map, _Unkeyed(progress))
+        systems = EventSystems.of(eliminant.slice_map, progress)
         limits = partial(limit_events, systems)
         return _Found("events", tuple(events(systems)), limits, once)
     except NotGeneric:
         components = Components.of(eliminant.slice_map)
         return _Found("components", tuple(components.events()), components.limit_events, distinct)
-
-
-@dataclass(frozen=True)
-class _Unkeyed:
-    """A callback that does not tell questions apart."""
-
-    progress: Progress = field(compare=False)
-
-
-@lru_cache(maxsize=4)
-def _systems(slice_map: SliceMap, unkeyed: _Unkeyed) -> EventSystems:
-    """Those of the last manipulators: a design, or a check within a tolerance, asks for its own again."""
-    return EventSystems.of(slice_map, unkeyed.progress)
 
 
 def _of_similar(eliminant: Eliminant) -> Iterator[Event]:
