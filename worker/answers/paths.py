@@ -141,12 +141,12 @@ def _longest(geometry: Canonical) -> Fraction:
 def _path_cost(size: Sizes) -> float:
     """The slice, the search of the path, its samples, and what the legs deviate between them."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
-    search = 0.05 + 0.001 * size.nearness + size.limited * _SUBDIVISION
+    search = 0.03 + 2e-4 * size.nearness + size.limited * _SUBDIVISION
     deviations = 8e-4 * size.deviations
     return (
         search
         + elimination_at_one(size)
-        + one_slice(size)
+        + one_slice(replace(size, nearness=0))
         + sample * size.count
         + deviations
         + size.censuses * all_events(size)
