@@ -109,7 +109,7 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
         size,
         count=count,
         deviations=count if content.get("motion") or content.get("sampling") else 0,
-        censuses=int(of_poses and not is_limited),
+        censuses=int(of_poses and not is_limited and bool(content.get("between"))),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
         + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0)
         + (_OF_CONDITIONS if "condition" in content else 0),
