@@ -171,7 +171,8 @@ def _poses_cost(size: Sizes) -> float:
 def _singular_cost(size: Sizes) -> float:
     """The slice, the sweep, a sextic for each region, and the drawing."""
     drawing = 0.08 + 8e-4 * size.fineness
-    return drawing + elimination_at_one(size) + 2 * one_slice(size) + 3e-4 * (size.geometry + size.lengths)
+    slices = 2 * one_slice(replace(size, nearness=size.nearness // 3))
+    return drawing + elimination_at_one(size) + slices + 3e-4 * (size.geometry + size.lengths)
 
 
 def _aspects_cost(size: Sizes) -> float:
