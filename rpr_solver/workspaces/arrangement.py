@@ -475,18 +475,24 @@ class _Plane(_View):
         """All edges of a curve that are not infinite."""
         curve, own = self.curves[k], [n for n, vertex in enumerate(self.vertices) if k in vertex.on]
         if isinstance(curve, Line):
-            u, v = curve.gradient(self.places[0], self.bits) if own else (arb(0), arb(0))
-            at = {n: u * self.places[n][1] - v * self.places[n][0] for n in own}
-            own.sort(key=lambda n: float(at[n]))
-            if not all(at[a] < at[b] for a, b in pairwise(own)):
-                raise Open
-            return [Edge(k, a, b) for a, b in pairwise(own)]
+            return [Edge(k, a, b) for a, b in pairwise(self._along_line(curve, own))]
         marks: list[tuple[int | None, Pair]] = [(n, self.mark(curve, self.places[n])) for n in own]
         if isinstance(curve, Conic) and self.conic.kind in (ConicKind.HYPERBOLA, ConicKind.PARABOLA):
             marks += [(None, _square(d)) for d in self._asymptotes(curve)]
         order = [marks[n][0] for n in _cyclic([mark for _, mark in marks])]
         pairs = zip(order, [*order[1:], order[0]], strict=True)
         return [Edge(k, a, b) for a, b in pairs if a is not None and b is not None]
+
+    def _along_line(self, line: Line, own: Sequence[int]) -> list[int]:
+        """Vertices of a line in their order."""
+        if not own:
+            return []
+        u, v = line.gradient(self.places[0], self.bits)
+        at = {n: u * self.places[n][1] - v * self.places[n][0] for n in own}
+        order = sorted(own, key=lambda n: float(at[n]))
+        if not all(at[a] < at[b] for a, b in pairwise(order)):
+            raise Open
+        return order
 
     def _asymptotes(self, curve: Conic) -> list[Pair]:
         """The directions in which a hyperbola or a parabola is infinite."""

@@ -60,6 +60,9 @@ class WorkspaceVertex:
         x, y: the place, correctly rounded.
         on: the curves through it: ``l1_min``, ``l1_max``, …, ``singular``.
         b1: x and y of B1 in the article's frame; None where that is the place.
+
+    >>> WorkspaceVertex("3.1", "-3.9", ("l1_min", "l2_min")).on
+    ('l1_min', 'l2_min')
     """
 
     x: str
@@ -82,6 +85,9 @@ class WorkspaceArc:
         start, stop: the numbers of its ends among the vertices, from 1; None of a whole circle or ellipse.
         ccw: of a circle, whether it runs counter-clockwise; None of the conic.
         through: of the conic, a point inside, in 15 digits.
+
+    >>> WorkspaceArc("l1_max", 1, 2, ccw=True).to_json()
+    {'on': 'l1_max', 'from': 1, 'to': 2, 'ccw': True}
     """
 
     on: str
@@ -106,6 +112,9 @@ class WorkspaceRegion:
         sign: that of J, as in slices of leg 1; 0 where J is 0 everywhere.
         area: correctly rounded.
         boundary: the outer loop, then those of holes.
+
+    >>> WorkspaceRegion(1, "12.5", ((WorkspaceArc("l1_max", None, None, ccw=True),),)).sign
+    1
     """
 
     sign: int
@@ -140,7 +149,7 @@ class Workspace(Pictured):
 
     >>> from rpr_solver import EXAMPLES, workspace
     >>> workspace(EXAMPLES["innocenti"], 30, {"l1": (5, 30), "l2": (5, 25), "l3": (5, 25)})
-    <Workspace φ=30: hyperbola, 3 regions>
+    <Workspace φ=30: hyperbola, 4 regions>
     """
 
     manipulator: Manipulator
@@ -211,6 +220,9 @@ class SweptWorkspace:
         conic: what the places with J = 0 are.
         counts: the numbers of regions by the sign of J.
         areas: the sums of their areas, correctly rounded.
+
+    >>> SweptWorkspace(Fraction(30), ConicKind.CIRCLE, {1: 1}, {1: "12.5"}).to_json()["positive"]
+    '12.5'
     """
 
     phi: Fraction
@@ -237,6 +249,10 @@ class WorkspaceSweep(Pictured):
         limits: by legs' numbers, exact.
         digits: significant digits of the areas.
         orientations: one after the other.
+
+    >>> from rpr_solver import EXAMPLES, workspace_sweep
+    >>> workspace_sweep(EXAMPLES["innocenti"], 0, 90, 30, {"l1": (5, 30)})
+    <WorkspaceSweep: 4 orientations>
     """
 
     manipulator: Manipulator
@@ -290,13 +306,12 @@ def workspace(
     >>> from rpr_solver import EXAMPLES
     >>> found = workspace(EXAMPLES["innocenti"], 30, {"l1": (5, 30), "l2": (5, 25), "l3": (5, 25)})
     >>> found.conic.value, [(region.sign, region.area) for region in found.regions][:2]
-    ('hyperbola', [(1, '294.583180716399'), (-1, '387.087325154178')])
+    ('hyperbola', [(1, '375.882830619136'), (1, '364.456903299546')])
     """
     check_type(manipulator, Manipulator, "manipulator")
-    digits, turn, bounds = check_digits(digits), _turn(phi, "phi"), workspace_limits(limits)
-    orientation = Orientation.of(manipulator.geometry, turn)
-    found = arrangement(orientation, bounds)
-    return _Answer(manipulator, turn, bounds, digits, orientation, found).workspace()
+    digits, turn, bounds = check_digits(digits), orientation(phi), workspace_limits(limits)
+    turned = Orientation.of(manipulator.geometry, turn)
+    return _Answer(manipulator, turn, bounds, digits, turned, arrangement(turned, bounds)).workspace()
 
 
 def workspace_sweep(
@@ -313,7 +328,9 @@ def workspace_sweep(
 
     Args:
         manipulator: the geometry.
-        start, stop, step: the orientations ``start``, ``start + step``, … up to ``stop``, in degrees, exact.
+        start: the first orientation in degrees, exact.
+        stop: the end of the range; ``start``, ``start + step``, … up to it are computed.
+        step: > 0.
         limits: as in :func:`workspace`.
         digits: significant digits of the areas.
         progress: callback ``progress(done, total)``.
@@ -325,19 +342,18 @@ def workspace_sweep(
     >>> from rpr_solver import EXAMPLES
     >>> limits = {"l1": (5, 30), "l2": (5, 25), "l3": (5, 25)}
     >>> [row.conic.value for row in workspace_sweep(EXAMPLES["innocenti"], -90, 90, 90, limits).orientations]
-    ['ellipse', 'two lines', 'hyperbola']
+    ['ellipse', 'two lines', 'ellipse']
     """
     check_type(manipulator, Manipulator, "manipulator")
     digits, bounds = check_digits(digits), workspace_limits(limits)
-    turns = _turn(start, "start"), _turn(stop, "stop"), parse_exact(step, "step")
+    turns = orientation(start, "start"), orientation(stop, "stop"), parse_exact(step, "step")
     angles = orientations(*turns)
     found: list[SweptWorkspace] = []
     for angle in angles:
         progress(len(found), len(angles))
         one = arrangement(Orientation.of(manipulator.geometry, angle), bounds)
-        signs = _signs(one)
-        counts = {sign: sum(face.sign == sign for face in one.faces) for sign in signs}
-        areas = {sign: _area(one, [x for x in one.faces if x.sign == sign], digits) for sign in signs}
+        areas = _areas(one, digits)
+        counts = {sign: sum(face.sign == sign for face in one.faces) for sign in areas}
         found.append(SweptWorkspace(angle, one.conic.kind, counts, areas))
     progress(len(found), len(angles))
     return WorkspaceSweep(manipulator, turns, bounds, digits, tuple(found))
@@ -356,6 +372,19 @@ def workspace_limits(limits: ExactLimits) -> dict[int, Bounds]:
     if all(high is None for _, high in found.values()):
         raise InputError.of("limits", "bound no region; give at least one leg a greatest length")
     return dict(sorted(found.items()))
+
+
+def orientation(phi: Exact, field: str = "phi") -> Fraction:
+    """An orientation in degrees, exact.
+
+    Raises:
+        InputError: naming ``field``.
+    """
+    turn = parse_exact(phi, field)
+    if abs(turn) > _GREATEST_TURN:
+        most = _GREATEST_TURN
+        raise InputError.of(field, f"is {exact_str(turn)}; give degrees from -{most} to {most}")
+    return turn
 
 
 def orientations(start: Fraction, stop: Fraction, step: Fraction) -> list[Fraction]:
@@ -377,6 +406,9 @@ def orientations(start: Fraction, stop: Fraction, step: Fraction) -> list[Fracti
 def workspace_csv(document: Mapping[str, Any]) -> str:
     """The document as CSV: a line for each region; of a sweep, a line for each orientation.
 
+    Args:
+        document: as ``to_json()`` of a workspace or of a sweep gives it.
+
     >>> from rpr_solver import EXAMPLES
     >>> print(workspace_csv(workspace(EXAMPLES["zein-flat"], 0, {"l1": (None, 5)}).to_json()), end="")
     sign,area,arcs,holes
@@ -394,22 +426,15 @@ def workspace_csv(document: Mapping[str, Any]) -> str:
     return csv_text(("sign", "area", "arcs", "holes"), regions)
 
 
-def _turn(phi: Exact, field: str) -> Fraction:
-    turn = parse_exact(phi, field)
-    if abs(turn) > _GREATEST_TURN:
-        raise InputError.of(
-            field, f"is {exact_str(turn)}; give degrees from -{_GREATEST_TURN} to {_GREATEST_TURN}"
-        )
-    return turn
-
-
 def _points_of(manipulator: Manipulator) -> list[tuple[str, list[list[str]]]]:
     geometry = manipulator.geometry
     return [(name, points) for name in ("base", "platform") if (points := geometry.points_of(name))]
 
 
-def _signs(found: Arrangement) -> tuple[int, ...]:
-    return (0,) if found.conic.kind is ConicKind.PLANE else (1, -1)
+def _areas(found: Arrangement, digits: int) -> dict[int, str]:
+    """The sums of areas by the sign of J."""
+    signs = (0,) if found.conic.kind is ConicKind.PLANE else (1, -1)
+    return {sign: _area(found, [x for x in found.faces if x.sign == sign], digits) for sign in signs}
 
 
 def _area(found: Arrangement, faces: Sequence[Face], digits: int) -> str:
@@ -441,23 +466,10 @@ class _Answer:
     def workspace(self) -> Workspace:
         """The document."""
         found, digits = self.found, self.digits
-        areas = {face: _area(found, [face], digits) for face in found.faces}
-        faces = sorted(
-            found.faces, key=lambda x: (-x.sign, -float(f"{float(areas[x]):.12g}"), _corner(found, x))
-        )
-        loops = [self._loop(loop) for face in faces for loop in face.loops]
+        regions = self._regions()
         thin = [self._bare(edge) for edge in found.thin]
-        used = {
-            end for loop in [*loops, thin] for arc in loop for end in (arc.start, arc.stop) if end is not None
-        }
-        shown = sorted(used | set(found.isolated))
+        shown = sorted(_ends([*_arcs(regions), *thin]) | set(found.isolated))
         names = {k: number for number, k in enumerate(shown, 1)}
-        regions, start = [], 0
-        for face in faces:
-            own = loops[start : start + len(face.loops)]
-            start += len(own)
-            boundary = tuple(tuple(_renamed(arc, names) for arc in loop) for loop in own)
-            regions.append(WorkspaceRegion(face.sign, areas[face], boundary))
         return Workspace(
             self.manipulator,
             self.phi,
@@ -466,15 +478,24 @@ class _Answer:
             digits,
             found.conic.kind,
             tuple(number_text(x, digits) for x in found.conic.coefficients),
-            {
-                sign: _area(found, [x for x in found.faces if x.sign == sign], digits)
-                for sign in _signs(found)
-            },
+            _areas(found, digits),
             tuple(self._vertex(k) for k in shown),
-            tuple(regions),
+            tuple(_renamed_region(region, names) for region in regions),
             tuple(names[k] for k in found.isolated),
             tuple(_renamed(arc, names) for arc in thin),
         )
+
+    def _regions(self) -> list[WorkspaceRegion]:
+        """The regions in their order; ends of arcs are numbers of the arrangement."""
+        areas = {face: _area(self.found, [face], self.digits) for face in self.found.faces}
+
+        def key(face: Face) -> tuple[int, float, tuple[float, float]]:
+            return -face.sign, -float(f"{float(areas[face]):.12g}"), _corner(self.found, face)
+
+        return [
+            WorkspaceRegion(face.sign, areas[face], tuple(tuple(self._loop(loop)) for loop in face.loops))
+            for face in sorted(self.found.faces, key=key)
+        ]
 
     def _loop(self, loop: Loop) -> list[WorkspaceArc]:
         """The arcs of a loop, from vertex to vertex: points that only divide a curve are left out."""
@@ -558,6 +579,19 @@ def _renamed(arc: WorkspaceArc, names: Mapping[int, int]) -> WorkspaceArc:
     ends = (None if end is None else names[end] for end in (arc.start, arc.stop))
     start, stop = ends
     return WorkspaceArc(arc.on, start, stop, arc.ccw, arc.through)
+
+
+def _arcs(regions: Sequence[WorkspaceRegion]) -> list[WorkspaceArc]:
+    return [arc for region in regions for loop in region.boundary for arc in loop]
+
+
+def _ends(arcs: Sequence[WorkspaceArc]) -> set[int]:
+    return {end for arc in arcs for end in (arc.start, arc.stop) if end is not None}
+
+
+def _renamed_region(region: WorkspaceRegion, names: Mapping[int, int]) -> WorkspaceRegion:
+    boundary = tuple(tuple(_renamed(arc, names) for arc in loop) for loop in region.boundary)
+    return WorkspaceRegion(region.sign, region.area, boundary)
 
 
 def _corner(found: Arrangement, face: Face) -> tuple[float, float]:

@@ -35,7 +35,7 @@ from service.cli.pages import (
 from service.cli.parsers import Command
 from service.schemas.answers import csv_header, csv_lines, ndjson_line
 from service.schemas.document import named, unnamed
-from service.schemas.lengths import split_ends
+from service.schemas.lengths import split_ends, split_range
 from worker.answers import Store, tables
 
 if TYPE_CHECKING:  # a command loads the question that it asks, and no other
@@ -445,6 +445,90 @@ def _aspects(document: Mapping[str, Any]) -> Page:
     return Page(about(document), [Section(title, rows_of(rows))], document["digits"])
 
 
+def _workspace(document: Mapping[str, Any]) -> Page:
+    """Find the places that the limits of the legs allow at one orientation: regions with J > 0 and J < 0,
+    between them the singular conic. With a range of orientations: areas and numbers of regions at each.
+    Vertices, regions and areas are exact.
+
+    Options:
+        phi: the orientation in degrees, or FROM:TO:STEP: the angle of the platform's frame in that of the
+            base; without points it is α
+        limits: a leg
+
+    examples:
+      rpr-cusps workspace innocenti --phi 30 --l1-limits 5:30 --l2-limits 5:25 --l3-limits 5:25
+      rpr-cusps workspace robot.json --phi -90:90:5 --l1-limits 5:30 --l2-limits 5:25 --format csv
+    """
+    if "orientations" in document:
+        return _sweep(document)
+    limits = ", ".join(f"{leg.upper()} {_within(ends)}" for leg, ends in document["limits"].items())
+    rows = [
+        {
+            "sign of J": SIGNS[region["sign"]],
+            "area": region["area"],
+            "bounded by": ", ".join(
+                dict.fromkeys(_bound(arc) for loop in region["boundary"] for arc in loop)
+            ),
+            "holes": str(len(region["boundary"]) - 1),
+        }
+        for region in document["regions"]
+    ]
+    conic, kind = document["conic"], document["conic"]["kind"]
+    powers = dict(zip(("xx", "xy", "yy", "x", "y", "1"), ("x²", "xy", "y²", "x", "y", "1"), strict=True))
+    terms = [{"term of J": powers[name], "coefficient": text} for name, text in conic["coefficients"].items()]
+    notes = ["All regions, their signs and areas: proved."]
+    notes += [f"A single place: vertex {number}." for number in document["isolated"]]
+    notes += [f"A curve without places beside it: {_bound(arc)}." for arc in document["thin"]]
+    vertices = [
+        {
+            **{name: x for name, x in vertex.items() if name != "on"},
+            "on": ", ".join(map(_curve, vertex["on"])),
+        }
+        for vertex in document["vertices"]
+    ]
+    title = f"φ = {document['phi_deg']}°, {limits}: {counted(len(rows), 'region')}"
+    singular = "every place" if kind == "plane" else kind
+    return Page(
+        about(document),
+        [
+            Section(title, rows_of(rows), notes),
+            Section(f"J = 0: {singular}", rows_of(terms)),
+            Section("Vertices", rows_of(vertices)),
+        ],
+        document["digits"],
+    )
+
+
+def _sweep(document: Mapping[str, Any]) -> Page:
+    ends = document["phi_deg"]
+    columns = {
+        "phi_deg": "φ [deg]", "conic": "J = 0", "positive": "area J > 0", "positive_regions": "regions",
+        "negative": "area J < 0", "negative_regions": "regions ", "singular": "area J = 0",
+    }  # fmt: skip
+    used = [name for name in columns if any(name in row for row in document["orientations"])]
+    rows = [{columns[name]: str(row.get(name, "")) for name in used} for row in document["orientations"]]
+    title = f"φ from {ends['from']}° to {ends['to']}° in steps of {ends['step']}°"
+    notes = ["The areas and numbers of regions at each of these orientations: proved."]
+    return Page(about(document), [Section(title, rows_of(rows), notes)], document["digits"])
+
+
+def _within(ends: Mapping[str, str | None]) -> str:
+    return ends_in_words({"from": ends["min"] or "0", "to": ends["max"]})
+
+
+def _bound(arc: Mapping[str, Any]) -> str:
+    return " = ".join(map(_curve, arc["on"].split()))
+
+
+def _curve(name: str) -> str:
+    leg, _, end = name.partition("_")
+    return f"{end}. {leg.upper()}" if end else "J = 0"
+
+
+def _turns(text: str) -> object:
+    return split_range(text) if ":" in text else text
+
+
 COMMANDS = {
     "solve": _solve,
     "census": partial(command, page=_census, steps="steps"),
@@ -457,4 +541,5 @@ COMMANDS = {
     ),
     "singular-curves": partial(command, page=_singular),
     "aspects": partial(command, page=_aspects),
+    "workspace": partial(command, page=_workspace, readers={"phi": _turns}, steps="orientations"),
 }

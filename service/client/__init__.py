@@ -8,8 +8,9 @@
     print(answer.typed.transitions[0].kind, len(answer.content))
 
 The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `leg_poses`, `cusp_loop`, `joint_path`,
-`pose_path`, `pose_connections`, `singular_curves`, `aspects`, `assembly_modes`, `margin`, `design` and
-`verify_document` take what those of `rpr_solver` take; `plot` asks for a picture.
+`pose_path`, `pose_connections`, `singular_curves`, `aspects`, `workspace`, `workspace_sweep`,
+`assembly_modes`, `margin`, `design` and `verify_document` take what those of `rpr_solver` take; `plot` asks
+for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
 slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
@@ -37,6 +38,8 @@ from service.client.questions import (
     poses,
     singular_curves,
     verify_document,
+    workspace,
+    workspace_sweep,
 )
 from service.client.results import ItemResult
 from service.schemas.resources import Batch, Job
@@ -67,4 +70,6 @@ __all__ = [
     "poses",
     "singular_curves",
     "verify_document",
+    "workspace",
+    "workspace_sweep",
 ]

@@ -20,7 +20,7 @@ from service.schemas.censuses import CensusRequest, CheckRequest, RequirementDoc
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
 from service.schemas.designs import Budget, DesignRequest, VaryRange
 from service.schemas.document import Source, read
-from service.schemas.lengths import Changes, JointLimits, OpenRange
+from service.schemas.lengths import ENDS, Changes, JointLimits, OpenRange, SliceRange
 from service.schemas.limits import Limits
 from service.schemas.modes import AssemblyModesRequest, ModeRange, PoseConnectionsRequest
 from service.schemas.motions import AskedMotion, AskedSampling, Path
@@ -35,6 +35,7 @@ from service.schemas.poses import (
 )
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
+from service.schemas.workspaces import WorkspaceAt, WorkspaceRequest, WorkspaceSweep
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,8 @@ class Function:
         found = {word: value for word, value in given.items() if value is not None}
         names, leg = self._members(), found.get("fixed_leg", 1)
         ends = found.pop("start", None), found.pop("stop", None)
+        if "step" in self.also:
+            found["phi"] = dict(zip(ENDS, (*ends, found.pop("step")), strict=True))
         found |= self._legs(leg, found.pop("length", None), found.pop("lengths", None), ends)
         if ends != (None, None) and "from" in names:
             found |= zip(_ENDS_OF_PATHS, ends, strict=True)
@@ -147,7 +150,12 @@ _WORDS = {
 
 _TYPES: Mapping[Any, str] = {
     **{Fraction: "Exact", OpenRange: _ENDS + " | tuple[None, Exact]", ModeRange: _ENDS},
-    **{Between: "tuple[Exact, Exact]", Changes: "Mapping[str, Exact]", JointLimits: "ExactLimits"},
+    **{
+        SliceRange: "Mapping[str, Exact]",
+        Between: "tuple[Exact, Exact]",
+        Changes: "Mapping[str, Exact]",
+        JointLimits: "ExactLimits",
+    },
     **{AskedMotion: "MotionQuestion", AskedSampling: "Sampling", RequirementDocument: "Requirement"},
     **{NumberedPose: "Mapping[str, Exact]", AngledPose: "Mapping[str, Exact]"},
     **{AskedJoints: "Sequence[Exact]", VaryRange: "Sequence[Exact]", Budget: "int"},
@@ -223,6 +231,17 @@ FUNCTIONS: Mapping[str, Function] = {
     "aspects": Function(
         "The aspects while the length of one leg varies within a range; an end that is missing is open.",
         *(AspectsRequest, "start? stop?"),
+    ),
+    "workspace": Function(
+        "The places that the limits of legs allow at an orientation, and the singular conic.",
+        *(WorkspaceRequest, "phi limits"),
+        answer=WorkspaceAt,
+    ),
+    "workspace_sweep": Function(
+        "The areas and the numbers of regions of workspaces at several orientations.",
+        *(WorkspaceRequest, "start stop step limits", "phi"),
+        also={"start": "Exact", "stop": "Exact", "step": "Exact"},
+        answer=WorkspaceSweep,
     ),
     "margin": Function(
         "How far the lengths may change before a slice, a requirement or a window loses its number of cusps.",

@@ -59,6 +59,9 @@ FUNCTIONS = {
     "with_sensitivities",
     "within_tolerance",
     "verify_document",
+    "workspace",
+    "workspace_csv",
+    "workspace_sweep",
 }
 CLASSES = {
     "ArticleTable",
@@ -73,6 +76,13 @@ CLASSES = {
     "Counterexample",
     "ClaimStatus",
     "CurveEnd",
+    "ConicKind",
+    "SweptWorkspace",
+    "Workspace",
+    "WorkspaceArc",
+    "WorkspaceRegion",
+    "WorkspaceSweep",
+    "WorkspaceVertex",
     "EndKind",
     "LegEnd",
     "LegInterval",

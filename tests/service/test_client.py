@@ -45,6 +45,8 @@ from service.client import (
     singular_curves,
     stub,
     verify_document,
+    workspace,
+    workspace_sweep,
 )
 from service.errors import ServiceError
 from service.schemas.plots import PlotRequest
@@ -140,6 +142,14 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
             "range": {"from": "27", "to": None},
             "aspects": [x.to_json() for x in rpr_solver.aspects(FIRST, 27, fixed_leg=3)],
         },
+    ),
+    "workspace": (
+        workspace(ZEIN, 30, {"l1": (5, 20), "l2": (None, 15)}, digits=20),
+        lambda: rpr_solver.workspace(ZEIN, 30, {"l1": (5, 20), "l2": (None, 15)}, digits=20).to_json(),
+    ),
+    "workspaces of several orientations": (
+        workspace_sweep(ZEIN, -10, 10, "7.5", {"l1": (5, 20)}),
+        lambda: rpr_solver.workspace_sweep(ZEIN, -10, 10, "7.5", {"l1": (5, 20)}).to_json(),
     ),
     "assembly modes": (
         assembly_modes(FIRST, 27, limits={"l2": (20, 30), "l3": (20, None)}),

@@ -47,6 +47,7 @@ from worker.answers.kind import (
     in_turn,
 )
 from worker.answers.paths import PATH, USUAL
+from worker.answers.workspaces import WORKSPACE
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
@@ -250,6 +251,7 @@ _SHOWN: Mapping[str, tuple[Kind, tuple[str, ...], Content]] = {
     "slice": (SINGULAR_CURVES, ("fixed_leg", "length"), {"tolerance": TOLERANCE}),
     "path": (PATH, ("fixed_leg", "length", "cusp"), USUAL),
     "poses": (POSES, ("l1", "l2", "l3"), {}),
+    "workspace": (WORKSPACE, ("phi", "limits"), {}),
 }
 """What a picture shows: the kind of the document, and the members of its question: those that are the
 picture's, and others."""
@@ -290,6 +292,7 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {member: content[member] for member in ("geometry", *own)}
+        asked |= {"points": content["points"]} if "points" in content else {}
         question = {**asked, "digits": DIGITS, **others, **more}
         return answer(JobRequest(kind, question, points=request.points), store, progress)
 
@@ -356,6 +359,7 @@ _DRAWN: Mapping[str, Drawing] = {
     "projections": _view("curves", "projections"),
     "loop": lambda _content, shown: draw(shown("path"), curves=shown("slice")),
     "mechanism": _mechanism,
+    "workspace": lambda _content, shown: draw(shown("workspace")),
 }
 PLOTS = tuple(_DRAWN)
 """What can be drawn."""

@@ -29,6 +29,9 @@ from rpr_solver import (
     table_csv,
     tolerance_census,
     with_sensitivities,
+    workspace,
+    workspace_csv,
+    workspace_sweep,
 )
 from rpr_solver.article.table import article_document
 from rpr_solver.notebook.style import Style
@@ -120,6 +123,25 @@ def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], statu
     done = run_here("assembly-modes", "-", *options, stdin=json.dumps(MIRRORED))
     assert done.returncode == status
     assert shown in (done.stderr if status == 2 else done.stdout)
+
+
+def test_workspaces(run_here: Run) -> None:
+    options = ("--l1-limits", "5:30", "--l2-limits", ":25")
+    bounds = {"l1": (5, 30), "l2": (None, 25)}
+    expected = workspace(EXAMPLES["innocenti"], -30, bounds).to_json()
+    asked = ("workspace", "innocenti", "--phi", "-30", *options)
+    assert json.loads(run_here(*asked, "--json").stdout) == expected
+    shown = run_here(*asked).stdout
+    assert all(region["area"] in shown for region in expected["regions"])
+    swept = workspace_sweep(EXAMPLES["innocenti"], -30, 30, 15, bounds).to_json()
+    done = run_here("workspace", "innocenti", "--phi", "-30:30:15", *options, "--format", "csv")
+    assert done.stdout == workspace_csv(swept)
+    assert run_here("plot", "innocenti", "--kind", "workspace", "--phi", "-30", *options).stdout.startswith(
+        "<svg"
+    )
+    assert run_here("workspace", "innocenti", "--phi", "x", *options).stderr.startswith(
+        "rpr-cusps workspace: --phi"
+    )
 
 
 def test_poses_along_a_leg(run_here: Run) -> None:
