@@ -8,7 +8,7 @@ With r_i = R b_i and u × v = u₁ v₂ − u₂ v₁,
 
 In the first factor p × p is 0, and r_i × (p − c_i) = r_i × (p − A_i). So J, which is that of slices of
 leg 1, is a polynomial of degree 2 in p; its zeros are the *singular conic*. J is 0 at each c_i, where leg i
-has length 0.
+has length 0 (mathematics.md#places-at-one-orientation).
 """
 
 from __future__ import annotations
