@@ -66,6 +66,9 @@ from .paths.path import Path as Path
 from .paths.path import path_csv as path_csv
 from .paths.path_poses import PathPose as PathPose
 from .paths.samples import PathSample as PathSample
+from .sensed.sensed_poses import SensedPose as SensedPose
+from .sensed.sensed_poses import SensedPoses as SensedPoses
+from .sensed.sensed_poses import sensed_poses as sensed_poses
 from .singular import SingularComponent as SingularComponent
 from .singular import SingularCurves as SingularCurves
 from .singular import singular_csv as singular_csv

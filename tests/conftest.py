@@ -37,14 +37,7 @@ EXPENSIVE = {
 tests with real processes."""
 
 NIGHTLY = {
-    *(
-        "test_docker",
-        "test_kubernetes",
-        "test_monitoring",
-        "test_glossary",
-        "test_wheel",
-        "test_dependencies",
-    ),
+    *("test_docker", "test_kubernetes", "test_monitoring", "test_glossary", "test_wheel", "test_dependencies"),
     *("test_examples", "test_release", "containers"),
 }
 """Directories and files about packaging and operation, which run with `--long`: each night, and for a release."""

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import combinations
 from typing import Any, TypeAlias
 
 from flint import acb_poly, arb, arb_poly, ctx
@@ -373,16 +374,20 @@ def real_roots(polynomial: Sequence[arb], bits: int) -> list[arb]:
             found = acb_poly(list(polynomial)).roots()
         except ValueError:
             raise Open from None
-        own, roots = arb_poly(list(polynomial)), []
-        for z in found:
-            if not z.imag.contains(0):
-                continue
-            low, high = own(arb(z.real.lower())), own(arb(z.real.upper()))
-            # the disc has one root; if the sign changes along its real part, this is real
+        own, near = arb_poly(list(polynomial)), [_widened(z.real, bits) for z in found if z.imag.contains(0)]
+        if any(x.overlaps(y) for x, y in combinations(near, 2)):
+            raise Open
+        for x in near:
+            # each disc has one root; if the sign changes on both sides of its real part, this is real
+            low, high = own(arb(x.lower())), own(arb(x.upper()))
             if not ((low < 0 and high > 0) or (low > 0 and high < 0)):
                 raise Open
-            roots.append(_sharpened(own, z.real, bits))
-        return sorted(roots, key=lambda x: x.mid())
+        return sorted((_sharpened(own, x, bits) for x in near), key=lambda x: x.mid())
+
+
+def _widened(x: arb, bits: int) -> arb:
+    """A ball with a ball inside."""
+    return arb(x.mid(), 2 * x.rad() + (1 + abs(x.mid())) * arb(2) ** -bits)
 
 
 def _sharpened(polynomial: arb_poly, x: arb, bits: int) -> arb:

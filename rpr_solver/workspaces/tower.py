@@ -114,7 +114,7 @@ class Tower:
 
 _FACTORED = 10**12
 """Larger n are not factored: no polynomial of a number has as many coefficients as the degree of their Ψ."""
-_SHORT = 64
+_SHORT = 96
 """Polynomials are reduced by a Ψ of at most this degree, which keeps them short."""
 
 

@@ -318,26 +318,61 @@ _IN_GIVEN_FRAME = ("x", "y", "phi_deg")
 def _poses(table: Mapping[str, Any]) -> Page:
     """Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The
     list is proved complete. With a range for one leg: at which of its lengths poses merge, and how many poses
-    there are between.
+    there are between. With angles of legs, in place of lengths or beside them: the poses with all these data.
 
     Options:
         l1: the length of leg 1, or its range, such as 0:12, if it is the one that moves
         l2: that of leg 2
         l3: that of leg 3
+        angle1: the angle of leg 1 from A1 to B1, in degrees, in the frame of the base's points, or of the
+            article
+        angle2: that of leg 2
+        angle3: that of leg 3
+        angle_tolerance_deg: how far angles beyond three data may be off, in degrees
 
     examples:
       rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
       rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
       rpr-cusps poses innocenti --l1 17 --l3 15 --l2-range 0:40
+      rpr-cusps poses innocenti --l1 15 --angle2 150 --angle3 45
+      rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30 --angle1 23.6 --angle-tolerance 0.1
     """
     if "intervals" in table:
         return _along_leg(table)
+    if "sensed" in table:
+        return _sensed(table)
     title = f"{all_legs(table)}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
     keys = (*_KEYS, *_IN_GIVEN_FRAME) if any("x" in pose for pose in table["poses"]) else _KEYS
     notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]
     return Page(about(table), [Section(title, rows_of(table["poses"], keys), notes)], table["digits"])
+
+
+def _sensed(document: Mapping[str, Any]) -> Page:
+    sensed = document["sensed"]
+    words = [
+        f"{name.upper()} = {x}" if name in LEGS else f"angle {name[-1]} = {x}°" for name, x in sensed.items()
+    ]
+    count = "a whole curve of poses" if document["is_curve"] else counted(document["count"], "pose")
+    notes = ["No pose is missed: proved."] if not document["is_curve"] else []
+    notes += [f"No pose agrees with angle {name[-1]}." for name in document["disagree"]]
+    sections = [Section(f"{', '.join(words)}: {count}", _sensed_rows(document["poses"]), notes)]
+    if document["others"]:
+        sections.append(Section("Poses that disagree with an angle", _sensed_rows(document["others"])))
+    return Page(about(document), sections, document["digits"])
+
+
+def _sensed_rows(poses: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    keys = [key for key in (*_KEYS[:6], *LEGS, *_IN_GIVEN_FRAME) if any(key in pose for pose in poses)]
+    rows = [
+        {
+            **{key: pose.get(key, "") for key in keys},
+            **{f"angle {name[-1]} off by [deg]": text for name, text in pose["off_deg"].items()},
+        }
+        for pose in poses
+    ]
+    return rows_of(rows)
 
 
 def _along_leg(document: Mapping[str, Any]) -> Page:
@@ -538,6 +573,7 @@ COMMANDS = {
         page=_poses,
         readers=dict.fromkeys(LEGS, _length),
         others={leg: f"--{leg}-range" for leg in LEGS},
+        names={"angle_tolerance_deg": "--angle-tolerance"},
     ),
     "singular-curves": partial(command, page=_singular),
     "aspects": partial(command, page=_aspects),

@@ -18,6 +18,7 @@ from service.schemas.plots import Verification
 from service.schemas.poses import Aspects
 from service.schemas.poses import LegPoses
 from service.schemas.poses import PoseTable
+from service.schemas.poses import SensedPoses
 from service.schemas.poses import SingularCurves
 from service.schemas.tables import CuspTable
 from service.schemas.workspaces import WorkspaceAt
@@ -91,6 +92,17 @@ def leg_poses(
     deadline: float | None = None,
 ) -> Asked[LegPoses]:
     """The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names."""
+
+def sensed_poses(
+    manipulator: Manipulator,
+    lengths: Mapping[str, Exact],
+    angles: Mapping[str, Exact],
+    *,
+    angle_tolerance_deg: Exact | None = None,
+    digits: int | None = None,
+    deadline: float | None = None,
+) -> Asked[SensedPoses]:
+    """All poses with lengths of some legs and angles of some, by their names; together at least three."""
 
 def singular_curves(
     manipulator: Manipulator,

@@ -31,6 +31,7 @@ from service.schemas.poses import (
     LegPoses,
     PosesRequest,
     PoseTable,
+    SensedPoses,
     SingularCurvesRequest,
 )
 from service.schemas.questions import Question
@@ -105,6 +106,8 @@ class Function:
         found = {word: value for word, value in given.items() if value is not None}
         names, leg = self._members(), found.get("fixed_leg", 1)
         ends = found.pop("start", None), found.pop("stop", None)
+        if "angles" in self.also:
+            found |= {**found.pop("lengths"), **found.pop("angles")}
         if "step" in self.also:
             found["phi"] = dict(zip(ENDS, (*ends, found.pop("step")), strict=True))
         found |= self._legs(leg, found.pop("length", None), found.pop("lengths", None), ends)
@@ -206,6 +209,8 @@ _FORMS: Mapping[str, Callable[[Any], object]] = {
 }
 """Member → its value of an argument."""
 
+_ANGLES = "angle1 angle2 angle3 angle_tolerance_deg"
+
 FUNCTIONS: Mapping[str, Function] = {
     "cusp_table": Function("The cusps of slices.", CuspTableRequest, "lengths"),
     "census": Function("Every length at which the number of cusps changes.", CensusRequest),
@@ -216,13 +221,19 @@ FUNCTIONS: Mapping[str, Function] = {
         "Whether a manipulator satisfies a requirement on its cusps.", CheckRequest, "requirement"
     ),
     "poses": Function(
-        "All poses with given lengths of the legs.", PosesRequest, "l1 l2 l3", answer=PoseTable
+        "All poses with given lengths of the legs.", PosesRequest, "l1 l2 l3", _ANGLES, answer=PoseTable
     ),
     "leg_poses": Function(
         "The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names.",
-        *(PosesRequest, "lengths start? stop?", "l1 l2 l3"),
+        *(PosesRequest, "lengths start? stop?", f"l1 l2 l3 {_ANGLES}"),
         also={"lengths": "Mapping[str, Exact]", "start": "Exact", "stop": "Exact"},
         answer=LegPoses,
+    ),
+    "sensed_poses": Function(
+        "All poses with lengths of some legs and angles of some, by their names; together at least three.",
+        *(PosesRequest, "lengths angles", "l1 l2 l3 angle1 angle2 angle3"),
+        also={"lengths": "Mapping[str, Exact]", "angles": "Mapping[str, Exact]"},
+        answer=SensedPoses,
     ),
     "singular_curves": Function(
         "The singular curves of a slice, the number of poses in each region, and the aspects.",

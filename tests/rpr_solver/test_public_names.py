@@ -61,6 +61,7 @@ FUNCTIONS = {
     "verify_document",
     "workspace",
     "workspace_csv",
+    "sensed_poses",
     "workspace_sweep",
 }
 CLASSES = {
@@ -83,6 +84,8 @@ CLASSES = {
     "WorkspaceRegion",
     "WorkspaceSweep",
     "WorkspaceVertex",
+    "SensedPose",
+    "SensedPoses",
     "EndKind",
     "LegEnd",
     "LegInterval",

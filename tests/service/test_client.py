@@ -42,6 +42,7 @@ from service.client import (
     pose_connections,
     pose_path,
     poses,
+    sensed_poses,
     singular_curves,
     stub,
     verify_document,
@@ -130,6 +131,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "poses": (
         poses(ZEIN, 15, "61/2", 40, digits=15),
         lambda: rpr_solver.poses(ZEIN, 15, "61/2", 40, digits=15).to_json(),
+    ),
+    "poses with angles": (
+        sensed_poses(ZEIN, {"l1": 15, "l2": 20}, {"angle3": 100}, digits=15),
+        lambda: rpr_solver.sensed_poses(ZEIN, {"l1": 15, "l2": 20}, {"angle3": 100}, digits=15).to_json(),
     ),
     "singular curves": (
         singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01"),

@@ -23,6 +23,7 @@ from rpr_solver.contract import (
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import draw, size_of
+from rpr_solver.sensed.sensed_poses import ANGLES
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,
@@ -51,12 +52,18 @@ from worker.answers.workspaces import WORKSPACE
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
-    """Compute all poses of one joint vector, which takes milliseconds, or those along a leg.
+    """Compute all poses of one joint vector, which takes milliseconds, or those along a leg, or with angles.
 
     Raises:
         SolverError: the moving leg has one length along a whole curve of poses.
     """
-    lengths = {leg: request.content[leg] for leg in LEGS}
+    lengths = {leg: request.content[leg] for leg in LEGS if leg in request.content}
+    angles = {name: request.content[name] for name in ANGLES if name in request.content}
+    if angles:
+        tolerance = request.content.get("angle_tolerance_deg")
+        return rpr_solver.sensed_poses(
+            request.as_given, lengths, angles, angle_tolerance_deg=tolerance, digits=request.digits
+        ).to_json()
     if (moving := _moving(request.content)) is None:
         return rpr_solver.poses(request.as_given, *lengths.values(), digits=request.digits).to_json()
     span = lengths.pop(moving)
@@ -67,7 +74,7 @@ def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
 
 def _moving(content: Content) -> str | None:
     """The leg that has a range of lengths."""
-    return next((leg for leg in LEGS if isinstance(content[leg], Mapping)), None)
+    return next((leg for leg in LEGS if isinstance(content.get(leg), Mapping)), None)
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:

@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.notebook import read_cell
+from rpr_solver.sensed.sensed_poses import ANGLES
 from service.api.answer import json_of
 from service.api.batches.bodies import CheckSize, Sent, invalid, lines
 from service.api.problems import ProblemError
@@ -35,7 +36,8 @@ _FLAGS = ("sensitivities",)
 _TRUTH: Mapping[str, bool] = {"true": True, "false": False}
 _REQUIREMENT = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 COLUMNS = (
-    "id", "kind", *GEOMETRY, *LEGS, *SLICE_COLUMNS, *_NUMBERS, "method", *PHI_COLUMNS, *LIMIT_COLUMNS,
+    "id", "kind", *GEOMETRY, *LEGS, *SLICE_COLUMNS, *_NUMBERS, "method",
+    *PHI_COLUMNS, *LIMIT_COLUMNS, *ANGLES, "angle_tolerance_deg",
     "plot", "theme", "cusp",
     *_REQUIREMENT, *_FLAGS,
 )  # fmt: skip

@@ -19,6 +19,8 @@ from rpr_solver import (
     cusp_curves,
     leg_poses,
     poses,
+    poses_csv,
+    sensed_poses,
     workspace,
     workspace_csv,
     workspace_sweep,
@@ -92,6 +94,29 @@ def test_the_picture_of_a_workspace_is_in_the_frame_of_the_points(api: httpx.Cli
     assert "105" in answer.json()["svg"]  # on the axis
     refused = api.post("/v1/plots", json={**asked, "l1": 5})
     assert refused.json()["errors"][0]["field"] == "l1"
+
+
+def test_poses_with_angles_of_legs(api: httpx.Client) -> None:
+    innocenti = EXAMPLES["innocenti"]
+    asked = {"geometry": GEOMETRY, "l1": 15, "angle2": 150, "angle3": "45", "digits": 20}
+    expected = sensed_poses(innocenti, {"l1": 15}, {"angle2": 150, "angle3": 45}, digits=20).to_json()
+    answer = api.post("/v1/poses", json=asked)
+    assert answer.json() == expected
+    assert is_whole("Poses", answer.json())
+    csv = api.post("/v1/poses", json=asked, headers={"Accept": "text/csv"}).text
+    assert csv.splitlines() == poses_csv(expected).splitlines()
+    more = {**POSES, "angle1": "23.61", "angle_tolerance_deg": "0.01"}
+    assert api.post("/v1/poses", json=more).json()["count"] == 1
+    for change, field in (
+        ({"angle_tolerance_deg": None}, "angle_tolerance_deg"),
+        ({"l1": {"from": 1, "to": 3}}, "l1"),
+        ({"angle1": 1000}, "angle1"),
+    ):
+        body = {name: value for name, value in {**more, **change}.items() if value is not None}
+        refused = api.post("/v1/poses", json=body)
+        assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, field)
+    few = api.post("/v1/poses", json={"geometry": GEOMETRY, "angle1": 3, "l1": 2})
+    assert [error["field"] for error in few.json()["errors"]] == ["l2"]
 
 
 ROUNDED = {

@@ -24,6 +24,7 @@ from rpr_solver import (
     pose_path,
     poses,
     restrict_census,
+    sensed_poses,
     singular_csv,
     singular_curves,
     table_csv,
@@ -142,6 +143,18 @@ def test_workspaces(run_here: Run) -> None:
     assert run_here("workspace", "innocenti", "--phi", "x", *options).stderr.startswith(
         "rpr-cusps workspace: --phi"
     )
+
+
+def test_poses_with_angles(run_here: Run) -> None:
+    expected = sensed_poses(
+        EXAMPLES["innocenti"], {"l1": 15}, {"angle2": 150, "angle3": 45}, digits=15
+    ).to_json()
+    asked = ("poses", "innocenti", "--l1", "15", "--angle2", "150", "--angle3", "45", "--digits", "15")
+    assert json.loads(run_here(*asked, "--json").stdout) == expected
+    assert all(pose["l2"] in run_here(*asked).stdout for pose in expected["poses"])
+    contradicting = ("--angle1", "0", "--angle-tolerance", "0.5")
+    assert "No pose agrees with angle" in run_here(*asked, *contradicting).stdout
+    assert run_here(*asked, "--angle1", "0").returncode == 2
 
 
 def test_poses_along_a_leg(run_here: Run) -> None:
