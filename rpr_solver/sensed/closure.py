@@ -10,7 +10,7 @@ p as a quotient of polynomials in the half tangent t of α, and the third one th
     lengths of i and j, angle of k   V_i from a line, and 2 V_i·(w_j − w_i) = …   degree 6
 
 Where the two data do not give p, since lines are parallel or the equations depend on each other, α has the
-roots of another polynomial, and p is on a line and on a circle.
+roots of another polynomial, and p is on a line and a circle (mathematics.md#poses-from-lengths-and-angles).
 """
 
 from __future__ import annotations

@@ -21,6 +21,8 @@ from rpr_solver import (
     poses,
     poses_csv,
     sensed_poses,
+    verify_document,
+    workspace,
 )
 from rpr_solver.triangles import UserFrame
 from tests.support.workspace_places import exact, plain, symmetric
@@ -241,3 +243,11 @@ def test_what_is_wrong_is_named(
     with pytest.raises(InputError) as caught:
         sensed_poses(M, lengths, angles, angle_tolerance_deg=tolerance)
     assert caught.value.problems[0].field == field
+
+
+def test_no_document_is_taken_for_one_that_is_verified() -> None:
+    found = sensed_poses(M, {"l1": 15, "l2": 10}, {"angle3": 45}, digits=15)
+    with pytest.raises(InputError, match="angles of legs"):
+        verify_document(found.to_json())
+    with pytest.raises(InputError, match="a workspace"):
+        verify_document(workspace(M, 30, {"l1": (5, 30)}).to_json())

@@ -35,9 +35,6 @@ from worker.jobs.queue import JobQueue
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
 
-WAIT = {"Prefer": "wait=30"}
-
-
 def is_whole(model: str, document: object) -> bool:
     """Asserts that the model accepts the document and has all its fields."""
     [answer] = [question.answer for question in all_questions() if question.answer.__name__ == model]
@@ -71,7 +68,7 @@ def test_workspaces_at_one_orientation_and_at_several(api: httpx.Client) -> None
         ({"from": -30, "to": 30, "step": 30}, workspace_sweep(innocenti, -30, 30, 30, bounds)),
     ):
         asked = {"geometry": GEOMETRY, "phi": phi, "limits": limits}
-        answer = api.post("/v1/workspaces", json=asked, headers=WAIT)
+        answer = api.post("/v1/workspaces", json=asked)
         assert answer.json() == expected.to_json()
         assert is_whole("Workspace", answer.json())
         named = {"phi": "30"} if phi == 30 else {"phi_from": "-30", "phi_to": "30", "phi_step": "30"}
@@ -79,7 +76,7 @@ def test_workspaces_at_one_orientation_and_at_several(api: httpx.Client) -> None
         assert api.get("/v1/workspaces", params=query).json() == expected.to_json()
         lines = api.get("/v1/workspaces", params={**query, "format": "csv"}).text.splitlines()
         assert lines == workspace_csv(expected.to_json()).splitlines()
-        picture = api.post("/v1/workspaces", json=asked, headers={**WAIT, "Accept": "image/svg+xml"})
+        picture = api.post("/v1/workspaces", json=asked, headers={"Accept": "image/svg+xml"})
         assert picture.text.startswith("<svg")
     refused = api.post("/v1/workspaces", json={**asked, "limits": {"l1": {"min": 5}}})
     assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "limits")
@@ -89,7 +86,7 @@ def test_the_picture_of_a_workspace_is_in_the_frame_of_the_points(api: httpx.Cli
     base, platform = [[100, 0], [110, 0], [105, 8]], [[0, 0], [3, 0], [1, 2]]
     machine = {"base": {"points": base}, "platform": {"points": platform}}
     asked = {"plot": "workspace", "geometry": machine, "phi": 20, "limits": {"l1": {"min": 2, "max": 8}}}
-    answer = api.post("/v1/plots", json=asked, headers=WAIT)
+    answer = api.post("/v1/plots", json=asked)
     assert answer.status_code == 200
     assert "105" in answer.json()["svg"]  # on the axis
     refused = api.post("/v1/plots", json={**asked, "l1": 5})

@@ -394,7 +394,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("poses", "innocenti", "--l1", "1"), "--l2/--l2-range, --l3/--l3-range"),
+        (("poses", "innocenti", "--l1", "1"), "--l2: is missing; give a number"),
         (("path", "innocenti"), "--l1: is missing; give a number"),
         (("singular-curves", "innocenti"), "--l1: is missing; give a number"),
         (
