@@ -277,9 +277,10 @@ def poses_csv(document: Mapping[str, Any]) -> str:
         return csv_text(("from", "to", "count", "at"), document["intervals"])
     names = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y")
     rows = document["poses"]
+    asked = ("condition", "clearance_deg") if "condition" in document else ()
     given = ("x", "y", "phi_deg") if any("x" in pose for pose in rows) else ()
     if "sensed" not in document:
-        return csv_text((*names, "multiplicity", *given), rows)
+        return csv_text((*names, "multiplicity", *asked, *given), rows)
     rows = [{**pose, **{f"off_{name}": text for name, text in pose["off_deg"].items()}} for pose in rows]
     off = [f"off_{name}" for name in document["sensed"] if name not in document["solved_from"]]
     return csv_text((*names, *_NAMES, *given, *off), rows)

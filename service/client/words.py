@@ -225,13 +225,13 @@ FUNCTIONS: Mapping[str, Function] = {
     ),
     "leg_poses": Function(
         "The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names.",
-        *(PosesRequest, "lengths start? stop?", f"l1 l2 l3 {_ANGLES}"),
+        *(PosesRequest, "lengths start? stop?", f"l1 l2 l3 {_ANGLES} condition length_scale"),
         also={"lengths": "Mapping[str, Exact]", "start": "Exact", "stop": "Exact"},
         answer=LegPoses,
     ),
     "sensed_poses": Function(
         "All poses with lengths of some legs and angles of some, by their names; together at least three.",
-        *(PosesRequest, "lengths angles", "l1 l2 l3 angle1 angle2 angle3"),
+        *(PosesRequest, "lengths angles", "l1 l2 l3 angle1 angle2 angle3 condition length_scale"),
         also={"lengths": "Mapping[str, Exact]", "angles": "Mapping[str, Exact]"},
         answer=SensedPoses,
     ),

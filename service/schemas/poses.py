@@ -37,6 +37,7 @@ from service.schemas.answers import (
     csv_form,
     optional,
 )
+from service.schemas.conditions import ConditionScale, LengthScale, condition_member, scale_field
 from service.schemas.document import Expected, Source, given, part
 from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, OneSlice, OpenRange, Range, SlicesOfOneLeg, range_field
@@ -44,6 +45,7 @@ from service.schemas.limits import DEFERRED, Detail, Model
 from service.schemas.numbers import (
     Digits,
     FixedLeg,
+    Flag,
     Length,
     Positive,
     digits_field,
@@ -55,7 +57,7 @@ from service.schemas.workspaces import Phi
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
 
-class Pose(Model):
+class _PlatformPose(Model):
     """A pose of the platform. Angles are degrees in (−180, 180].
 
     Attributes:
@@ -82,6 +84,21 @@ class Pose(Model):
     x: Decimal | None = optional()
     y: Decimal | None = optional()
     phi_deg: Decimal | None = optional()
+
+
+class Pose(_PlatformPose):
+    """A pose of the platform. Angles are degrees in (−180, 180].
+
+    Attributes:
+        condition: The condition number of the Jacobian, if it was asked for; null if it is infinite, at a
+            singular pose.
+        clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
+            the same length of leg 1: α and the angle of leg 1 may change together (in the Euclidean norm) by
+            less than this, in degrees. Missing unless condition numbers were asked for.
+    """
+
+    condition: Decimal | None = None
+    clearance_deg: Decimal | None = optional()
 
 
 class PoseCurve(Detail):
@@ -130,13 +147,14 @@ class PoseTable(Model):
     l3: str
     count: int = Field(description="Number of distinct isolated poses.")
     count_with_multiplicity: int
+    condition: ConditionScale | None = optional("By what condition numbers measure rotations.")
     poses: list[Pose]
     curves: list[PoseCurve]
     polynomial: PosePolynomial
     certificate: PoseCertificate
 
 
-class LegPose(Pose):
+class LegPose(_PlatformPose):
     """A pose at a length inside an interval.
 
     Attributes:
@@ -470,6 +488,10 @@ class PosesRequest(Question):
     With a range for one leg, the poses along this leg: all lengths in the range at which poses merge, and
     between them the number of poses, with the sign of J and the aspect of each.
 
+    With `condition`, each pose has the condition number of its Jacobian, for the rates of the legs by the
+    velocity of the platform's centroid and its angular velocity times `length_scale`, and how far it is from
+    singular poses.
+
     With angles of legs, in place of lengths or beside them: the poses with at least three such data. The
     angle of a leg is that of the vector from A to B in the frame of the base's points, or in the article's.
     Angles beyond three data must agree within `angle_tolerance_deg`.
@@ -503,6 +525,10 @@ class PosesRequest(Question):
     angle2: Phi = given()
     angle3: Phi = given()
     angle_tolerance_deg: Positive = given()
+    condition: Flag = Field(
+        default=False, description="Whether each pose has its condition number, and its clearance."
+    )
+    length_scale: LengthScale = scale_field()
     digits: Digits = digits_field()
 
     @property
@@ -515,6 +541,11 @@ class PosesRequest(Question):
         moving = [leg for leg in LEGS if isinstance(getattr(self, leg), OpenRange)]
         if len(moving) > 1:
             raise InputError.of(moving[1], "is a second range; two legs need a length")
+        if condition_member(self) and moving:
+            name = "condition" if self.condition else "length_scale"
+            raise InputError.of(
+                name, f"is for poses of three lengths, and {moving[0]} is a range; leave it out"
+            )
         return self
 
     @model_validator(mode="after")
@@ -535,6 +566,9 @@ class PosesRequest(Question):
         moving = [leg for leg, length in lengths.items() if isinstance(length, OpenRange)]
         if moving:
             raise InputError.of(moving[0], "is a range; beside angles of legs give a length, or leave it out")
+        if condition_member(self):
+            name = "condition" if self.condition else "length_scale"
+            raise InputError.of(name, "is for poses of three lengths, without angles of legs; leave it out")
         if len(lengths) + len(angles) < LEAST:
             free = next(name for name in (*LEGS, *ANGLES) if name not in (*lengths, *angles))
             count = len(lengths) + len(angles)
@@ -545,7 +579,8 @@ class PosesRequest(Question):
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""
         missing = {*LEGS, *ANGLES, "angle_tolerance_deg"} - self.model_fields_set
-        return {**self.model_dump(exclude=missing), **points_member(self.geometry)}
+        plain = self.model_dump(exclude={"condition", "length_scale", *missing})
+        return {**plain, **condition_member(self), **points_member(self.geometry)}
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
