@@ -24,9 +24,9 @@ from rpr_solver.figures.words import figure_about, number, short
 from rpr_solver.notebook import Style, counted
 from rpr_solver.notebook.figure import Figure
 
-_SAMPLES = 181
+_SAMPLES = 91
 """Points of an arc."""
-_GRID = 500
+_GRID = 160
 """Points of the grid, in each direction, on which the conic outside is drawn."""
 _MARGIN = 0.06
 """Beside what is shown, by its size."""
@@ -47,7 +47,7 @@ def workspace_figure(document: Mapping[str, Any]) -> Figure:
     Args:
         document: as :meth:`Workspace.to_json` gives it.
     """
-    plane = _Plane(document)
+    plane = Plane(document)
     phi, kind = short(document["phi_deg"], 8), document["conic"]["kind"]
     found = [(sign, sum(r["sign"] == sign for r in document["regions"])) for sign in (1, -1, 0)]
     said = " and ".join(f"{counted(n, 'region')} with {_SIGNS[sign][1]}" for sign, n in found if n)
@@ -109,7 +109,9 @@ def _limit_words(leg: str, ends: Mapping[str, str | None]) -> str:
 
 
 @dataclass(frozen=True)
-class _Plane:
+class Plane:
+    """The plane of places of a document."""
+
     document: Mapping[str, Any]
 
     @cached_property
@@ -195,7 +197,7 @@ class _Plane:
 
     def _draw_limits(self, ax: Axes, style: Style) -> None:
         """All circles, faintly."""
-        turns = np.exp(1j * np.linspace(0, 2 * np.pi, 4 * _SAMPLES))
+        turns = np.exp(1j * np.linspace(0, 2 * np.pi, 2 * _SAMPLES))
         for centre, radius, role in self._circles():
             look = {"color": style.colour(role), "lw": 0.7, "ls": (0, (4, 3)), "alpha": 0.75, "zorder": 1}
             ax.plot(*corners(centre + radius * turns).T, **look)
@@ -220,11 +222,14 @@ class _Plane:
 
     def _draw_borders(self, ax: Axes, style: Style) -> None:
         """The arcs between regions and outside of them, in the colours of legs, or of the conic."""
-        regions = self.document["regions"]
+        regions, seen = self.document["regions"], set[str]()
         for region, loops in zip(regions, self.loops, strict=True):
             for arcs, lines in zip(region["boundary"], loops, strict=True):
                 for arc, line in zip(arcs, lines, strict=True):
                     is_conic = arc["on"] == "singular"
+                    if is_conic and str(arc["through"]) in seen:
+                        continue  # it is between two regions
+                    seen.add(str(arc.get("through")))
                     role = "curve" if is_conic else _LEGS[int(arc["on"][1]) - 1]
                     width = _EDGE + 0.3 if is_conic else _EDGE
                     look = {"solid_capstyle": "round", "zorder": 2.2 if is_conic else 2}
@@ -309,7 +314,8 @@ class _Plane:
                 sweep = sweep - 2 * np.pi if sweep < 2 * np.pi else -2 * np.pi
         elif not arc["ccw"]:
             sweep = -sweep
-        return corners(centre + radius * np.exp(1j * (start + sweep * np.linspace(0, 1, _SAMPLES))))
+        share = np.linspace(0, 1, 6 + int(_SAMPLES * abs(sweep) / np.pi / 1.5))
+        return corners(centre + radius * np.exp(1j * (start + sweep * share)))
 
     def _of_conic(self, through: complex, ends: tuple[complex, complex] | None) -> Any:
         """Points of the conic in directions from a point of it, from the tangent there to the ends."""
@@ -331,7 +337,7 @@ class _Plane:
         # on, to the other at angles from a half turn back
         side = 1.0 if turns[0] + turns[1] > 0 else -1.0
         first, last = (abs(turn) for turn in turns)
-        half = np.linspace(0, 1, _SAMPLES)
+        half = np.linspace(0, 1, _SAMPLES // 3)
         ways = (
             [first * half, np.pi + (last - np.pi) * half]
             if first < last

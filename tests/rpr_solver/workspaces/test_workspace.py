@@ -6,6 +6,7 @@ import json
 from fractions import Fraction
 from math import pi
 
+import numpy as np
 import pytest
 
 from rpr_solver import (
@@ -18,6 +19,8 @@ from rpr_solver import (
     workspace_csv,
     workspace_sweep,
 )
+from rpr_solver.figures.views import figure_of
+from rpr_solver.figures.workspace import Plane
 from tests.support.workspace_places import by_regions, case, failures
 
 M = EXAMPLES["innocenti"]
@@ -107,8 +110,6 @@ def test_signs_are_those_of_poses_along_a_leg() -> None:
     interval = next(x for x in leg_poses(M, {"l1": 17, "l3": 15}, 10, 20, digits=15).intervals if x.count)
     for pose, sign in zip(interval.poses, interval.signs, strict=True):
         found = workspace(M, pose.alpha_deg, {"l1": (16, 18)})
-        import numpy as np
-
         place = np.array([[float(pose.b1_x), float(pose.b1_y)]])
         assert by_regions(found.to_json(), place)[1].tolist() == [sign]
 
@@ -164,3 +165,46 @@ def test_a_sweep_of_too_many_orientations_is_refused(step: object, field: str) -
     with pytest.raises(InputError) as caught:
         workspace_sweep(M, 0, 90, step, LIMITS)  # type: ignore[arg-type]
     assert caught.value.problems[0].field == field
+
+
+@pytest.mark.parametrize(
+    ("manipulator", "phi", "limits"),
+    [
+        (M, 30, LIMITS),
+        (M, 0, LIMITS),
+        (EQUILATERAL, 30, {"l1": (2, 9), "l2": (2, 9), "l3": (2, 9)}),
+        (EQUILATERAL, 30, {"l1": (None, 40)}),  # the conic is whole
+        (EQUILATERAL, 0, {"l1": (2, 9)}),
+        (SQUARE, 0, {"l1": (1, 2), "l2": (1, 2)}),
+        (
+            Manipulator(base={"equilateral": 10}, platform={"equilateral": 10}),
+            0,
+            {"l1": (2, 5), "l2": (5, 8)},
+        ),
+    ],
+)
+def test_every_workspace_has_a_picture_with_its_arcs_where_they_are(
+    manipulator: Manipulator, phi: int, limits: dict[str, tuple[int | None, int]]
+) -> None:
+    """Arcs as they are drawn keep the limits, and the conic's have J = 0."""
+    document = workspace(manipulator, phi, limits).to_json()
+    assert figure_of(document).svg().startswith("<svg")
+    a, b, c, d, e, f = (float(x) for x in document["conic"]["coefficients"].values())
+    plane = Plane(document)
+    for region, loops in zip(document["regions"], plane.loops, strict=True):
+        for arcs, lines in zip(region["boundary"], loops, strict=True):
+            for arc, line in zip(arcs, lines, strict=True):
+                x, y = line.T
+                if arc["on"] == "singular":
+                    value = a * x * x + b * x * y + c * y * y + d * x + e * y + f
+                    size = abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(f)
+                    assert abs(value).max() < 1e-9 * size * (1 + abs(line).max() ** 2)
+                for leg, (low, high) in limits.items():
+                    foot, head = (ring[int(leg[1]) - 1] for ring in plane.machine)
+                    length = abs(x + 1j * y + head - foot)
+                    assert length.max() < high * (1 + 1e-9)
+                    assert length.min() > (low or 0) * (1 - 1e-9)
+
+
+def test_a_sweep_has_a_picture() -> None:
+    assert workspace_sweep(M, -60, 60, 30, LIMITS).figure().svg().startswith("<svg")
