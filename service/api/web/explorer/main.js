@@ -8,6 +8,7 @@ import { byId, on, say, write } from "./dom.js";
 import { shortened, toNumber } from "./decimals.js";
 import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
+import { Following, fateOf } from "./following.js";
 import { isSix, measured, pairOf } from "./geometry.js";
 import { Improve } from "./improve.js";
 import { JointSpace, spoken } from "./joint_space.js";
@@ -20,7 +21,7 @@ import { nearOf, nearText } from "./notices.js";
 import { bindPanel, notice } from "./panel.js";
 import { Pictures } from "./pictures.js";
 import { Poses } from "./poses.js";
-import { censusOf, curvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
+import { censusOf, curvesOf, cuspCurvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
 import { lack, showCount } from "./slice.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
@@ -39,6 +40,8 @@ class Explorer {
   #census = null; // the geometry whose census is drawn
   #poseTable = null; // the poses that are drawn, perhaps of a state that has passed
   #last = null; // the pose that is drawn
+  #following = new Following(); // of the selected cusp
+  #fate = ""; // what became of the cusp that was selected
   #merge = null; // the poses that merge at the joint vector
   #tolerance = toleranceAt(0);
   #timer = null;
@@ -126,7 +129,9 @@ class Explorer {
       this.#improve.clear();
       byId("near").hidden = true;
     }
-    this.asking.cancel("loop", "margin");
+    this.asking.cancel("loop", "margin", "cusp curves");
+    this.#fate = "";
+    if ("cusp" in change) this.#following.forget();
     this.#exactness.clear();
     this.#clearLoop();
     this.state = { ...this.state, ...change };
@@ -200,6 +205,7 @@ class Explorer {
     if (curves || !this.#curves) this.take({ state, slice, curves }); // else the last picture stays
     else this.#draw();
     await this.#askPoses(); // first the picture, before a worker is busy for longer
+    await this.#askFate(state);
     await this.#askLoop();
     if (this.#isCurrent(state)) await this.#askCensus(state);
   }
@@ -255,8 +261,26 @@ class Explorer {
     this.#later();
   }
 
+  /** Asks which cusp of the slice is the one that was selected in another, and goes on with the nearest one if it has ended. */
+  async #askFate(state) {
+    const geometry = geometryText(state.geometry);
+    const since = this.#following.since({ geometry, l1: state.l1 });
+    const curves = since && (await this.asking.ask("cusp curves", state, cuspCurvesOf(state, since.l1), { onRefusal() {} }));
+    if (!this.#isCurrent(state) || since !== this.#following.since({ geometry, l1: state.l1 })) return;
+    const fate = curves && fateOf(curves, since, state.l1);
+    if (fate?.end) this.#fate = `The selected cusp ended at L1 = ${shortened(fate.end.l1)} (${fate.end.kind}). `;
+    if (fate?.cusp !== undefined && fate.cusp !== this.#selected) this.#mark(fate.cusp);
+    this.#visit(this.#selected);
+    if (fate?.end) say(byId("visited").textContent);
+    this.#following.know({ geometry, l1: state.l1, cusp: this.#selected });
+    this.#tell();
+  }
+
   #tellSlice(slice) {
     this.#slice = slice;
+    const cusp = this.#following.numberIn(slice);
+    if (cusp === null) this.#following.start(slice.l1, this.#cusp);
+    else this.state = { ...this.state, cusp };
     this.asking.clear();
     this.#block(false);
     showCount(slice);
@@ -347,7 +371,10 @@ class Explorer {
   /** Shows a pose of a joint vector, or for null leaves them for a cusp or its loop. */
   #pose(at) {
     this.state = { ...this.state, at };
-    if (!at) this.#poseTable = this.#merge = null;
+    if (!at) {
+      this.#poseTable = this.#merge = null;
+      this.#visit(this.#selected);
+    }
     this.#poses.show(at);
     this.#tell();
     this.#drawPoses();
@@ -427,14 +454,20 @@ class Explorer {
 
   async #select(index) {
     if (this.state.at) this.#pose(null);
-    this.state = { ...this.state, cusp: index };
+    this.#fate = "";
+    this.#mark(index);
+    this.#following.know({ geometry: geometryText(this.state.geometry), l1: this.#slice.l1, cusp: index });
     this.#tell();
+    if (await this.#askLoop()) this.#motion.playUnlessCalm();
+  }
+
+  #mark(index) {
+    this.state = { ...this.state, cusp: index };
+    this.#following.start(this.#slice.l1, this.#cusp);
     if (this.isShown) this.#joint.select(index);
     this.#table.select(index);
     this.#visit(index);
-    this.#drawVector();
-    this.#draw();
-    if (await this.#askLoop()) this.#motion.playUnlessCalm();
+    if (!this.state.at) this.#drawPoses();
   }
 
   /** The number of the selected cusp: the last if there are fewer. */
@@ -448,7 +481,8 @@ class Explorer {
 
   #visit(index) {
     const cusp = this.#slice?.cusps?.[index];
-    write("visited", cusp ? spoken(cusp, index) : "");
+    const fate = index === this.#selected ? this.#fate : "";
+    write("visited", fate + (cusp ? `${fate && "Selected now: "}${spoken(cusp, index)}` : ""));
   }
 
   #view(view, isStep = true) {
