@@ -29,7 +29,7 @@ export function axes(board, names, isAngle) {
     const [, y] = pixel(board, [0, value]);
     if (y >= top && y <= bottom) marks.push(...tick(`M${left} ${y}h-5`, tickText(value, isAngle), { x: left - 7, y: y + 4, "text-anchor": "end" }));
   }
-  if (isAngle) marks.push(...seams(board, [x0, y0, x1, y1]));
+  if (isAngle) marks.push(...seams(board));
   marks.push(symbol(names[0], { class: "axis-name", x: (left + right) / 2, y: bottom + 29, "text-anchor": "middle" }));
   const across = `translate(11 ${(top + bottom) / 2}) rotate(-90)`;
   marks.push(symbol(names[1], { class: "axis-name", transform: across, "text-anchor": "middle" }));
@@ -37,10 +37,10 @@ export function axes(board, names, isAngle) {
 }
 
 /** The sides of the torus that are in view; arrows of one kind are on opposite sides, which are one line. */
-function seams(board, [x0, y0, x1, y1]) {
-  const [[left, top], [right, bottom]] = [pixel(board, [-180, 180]), pixel(board, [180, -180])];
-  const [across, upward] = [(left + right) / 2, (top + bottom) / 2];
-  const isSeen = { left: x0 <= -180, right: x1 >= 180, top: y1 >= 180, bottom: y0 <= -180 };
+function seams(board) {
+  const plot = plotOf(board);
+  const [[left, top], [right, bottom], [across, upward]] = [[-180, 180], [180, -180], [22, 22]].map((corner) => pixel(board, corner));
+  const isSeen = { left: left > plot.left - 1, right: right < plot.right + 1, top: top > plot.top - 1, bottom: bottom < plot.bottom + 1 };
   const sides = {
     left: [`M${left} ${top}V${bottom}`, `M${left - 4} ${upward + 4}l4 -8l4 8z`],
     right: [`M${right} ${top}V${bottom}`, `M${right - 4} ${upward + 4}l4 -8l4 8z`],

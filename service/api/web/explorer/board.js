@@ -20,7 +20,7 @@ export function makeBoard(id, title, isFree = false) {
     title,
     resize: { enabled: false }, // `bindSize` does
     pan: { enabled: true, needTwoFingers: true, needShift: false },
-    zoom: { enabled: true, wheel: false, needShift: false, pinch: true }, // a `Frame` takes the wheel
+    zoom: { enabled: true, wheel: false, needShift: false, pinch: true, pinchHorizontal: false, pinchVertical: false }, // a `Frame` takes the wheel
     keyboard: { enabled: true, dx: KEY_STEP, dy: KEY_STEP, panShift: true },
   });
   board.containerObj.role = "group"; // "region" would be one landmark too many

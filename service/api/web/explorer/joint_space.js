@@ -294,7 +294,7 @@ export class JointSpace {
       { name: "cusp", as: "mark", text: "cusp", if: this.#points.length > 0 },
       { name: "degenerate", as: "cross", text: "degenerate, no cusp", if: this.#slice?.degenerate_points?.length > 0 },
       { name: "loop", as: "line", text: "loop round the cusp", if: this.#samples.length > 0 },
-      { name: isJoint ? "vector" : "pose-point chosen", as: "mark", text: isJoint ? "joint vector" : "poses of the joint vector", if: isJoint ? Boolean(this.#at) : this.#poses.length > 0 },
+      { name: isJoint ? "vector" : "pose-point chosen", as: "mark", text: isJoint ? "joint vector" : "its poses", if: Boolean(this.#at) },
       { name: "limits", as: "area", text: "joint limits", if: isJoint && Boolean(this.#rectangle) },
     ], "marks");
   }

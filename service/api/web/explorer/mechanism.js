@@ -35,6 +35,7 @@ export class Mechanism {
   #names = []; // of them
   #candidate = null; // the lengths of another geometry
   #isSingular = false; // whether a pose is nearly
+  #meeting = null; // where the lines of its legs meet
   #held = null; // the point that is dragged, and changes the geometry
   #isMoved = false; // whether the platform is
   #mode = null;
@@ -234,7 +235,9 @@ export class Mechanism {
     const ways = poses.map((pose, k) => clearanceOf(lengths, pose) + (k > 0 ? 0.01 : 0)); // of two that merge the first
     const nearest = poses[ways.indexOf(Math.min(...ways))];
     this.#isSingular = Math.min(...ways) < NEAR;
-    this.#lines.meeting.set(this.#isSingular ? this.#seen(linesOf(lengths, nearest)) : []);
+    const { lines, meeting } = this.#isSingular ? meetingLines(lengths, nearest) : { lines: [], meeting: null };
+    this.#lines.meeting.set(this.#seen(lines));
+    [this.#meeting] = this.#seen([meeting]);
   }
 
   /** Names of points, away from the middle of their triangle; lengths beside legs, or in a corner; numbers. */
@@ -279,7 +282,9 @@ export class Mechanism {
       return [symbol(`L${k + 1} = ${shortened(length, 5)}`, about(at))];
     });
     const numbers = ghosts.map(({ at, name }) => shape("text", about(at), name));
-    return [...numbers, ...legs, ...names];
+    const [cx, cy] = this.#meeting ? pixel(this.#board, this.#meeting) : [];
+    const meeting = this.#meeting ? [shape("circle", { class: "meeting-point", cx, cy, r: 4, "data-what": this.#lines.meeting.node.dataset.what })] : [];
+    return [...meeting, ...numbers, ...legs, ...names];
   }
 
   #explain() {
@@ -307,17 +312,18 @@ const about = ([x, y], what = "leg-name") => ({ class: `${what} halo`, x, y: y +
 const middleOf = (points) => [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
 
 /** Of each leg the line from its foot, by its end, to the point where all meet, with gaps; far lines where they are parallel. */
-function linesOf(lengths, pose) {
+function meetingLines(lengths, pose) {
   const { b1, alpha } = placeOf(pose);
   const [feet, corners] = [basePoints(lengths), platformPoints(lengths, b1, alpha)];
   const meeting = meetingOf(feet, corners);
-  return feet.flatMap((foot, k) => {
+  const lines = feet.flatMap((foot, k) => {
     const way = [0, 1].map((axis) => corners[k][axis] - foot[axis]);
     const far = [-50, 50].map((share) => [0, 1].map((axis) => foot[axis] + share * way[axis]));
     const ends = meeting ? [foot, corners[k], meeting] : far;
     const along = ends.map((end) => [(end[0] - foot[0]) * way[0] + (end[1] - foot[1]) * way[1], end]).sort(([one], [other]) => one - other);
     return [along[0][1], along.at(-1)[1], null];
   });
+  return { lines, meeting };
 }
 
 function orbitOf(b1, count) {
