@@ -7,12 +7,14 @@ import { on, shape } from "./dom.js";
 import { basePoints, distance, dragged, heldDirection, isSix, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
 import { clearanceOf, meetingOf } from "./kinematics.js";
 import { reveal } from "./panel.js";
+import { geometryText } from "./state.js";
 
 const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
 const FREE = { move: ["B1", "B2", "B3"], design: ["A2", "A3", "B2", "B3"] }; // what can be dragged
 const NEAR = 1.5; // degrees from a singular pose at which it is shown as one
 const DEGREES = Math.PI / 180;
 const TOUCH = { mouse: 8, touch: 24 }; // pixels round a point that are its own
+const STILL = 500; // ms without a picture after which nothing moves
 const AWAY = 15; // pixels from a mark to its name
 
 export class Mechanism {
@@ -33,6 +35,7 @@ export class Mechanism {
   #others = []; // other poses
   #ghosts = []; // their corners
   #names = []; // of them
+  #reach = {}; // the corners of what was drawn, of which geometry and L1, and when
   #candidate = null; // the lengths of another geometry
   #isSingular = false; // whether a pose is nearly
   #meeting = null; // where the lines of its legs meet
@@ -127,10 +130,17 @@ export class Mechanism {
     if (this.#shown) this.#update();
   }
 
+  /** The corners of all that is drawn, and of what was while it moves: so long the frame does not come nearer again. */
   #extent() {
     if (!this.#shown) return [];
-    const { lengths, b1, alpha } = this.#shown;
-    return [...this.#seen([...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...orbitOf(b1, 12)]), ...this.#ghosts.flat()];
+    const { geometry, lengths, l1, b1, alpha } = this.#shown;
+    const now = [...this.#seen([...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...orbitOf(b1, 12)]), ...this.#ghosts.flat()];
+    const { of, time, corners } = this.#reach;
+    const isMoving = of === `${l1} ${geometryText(geometry)}` && performance.now() - time < STILL;
+    const ends = [...now, ...(isMoving ? corners : [])];
+    const ranges = [0, 1].map((axis) => ends.map((point) => point[axis]));
+    this.#reach = { of: `${l1} ${geometryText(geometry)}`, time: performance.now(), corners: [Math.min, Math.max].map((end) => ranges.map((range) => end(...range))) };
+    return this.#reach.corners;
   }
 
   /** Points in the frame in which the base was given. */
