@@ -253,6 +253,7 @@ def test_what_is_wrong_or_unknown_is_explained(base_url: str, open_page: Open) -
     expect(page.locator("#notice")).to_contain_text("has 8 parts")
     expect(page.locator("#notice")).to_contain_text("write points: 15.91, not 15,91")
     count_is(page, "L1 = 27: 8 cusps")
+    page.locator("#mode-design").press("Space")
     page.locator("#l1").fill("28,1")
     expect(page.locator("#l1-error")).to_have_text("The comma is read as a decimal point: 28.1")
     count_is(page, "L1 = 28.1: 10 cusps")
@@ -260,7 +261,6 @@ def test_what_is_wrong_or_unknown_is_explained(base_url: str, open_page: Open) -
     expect(page.locator("#tip")).to_have_text(re.compile("^Cusp C: L2 = "))
     page.locator("#census-strip").hover()
     expect(page.locator("#tip")).to_have_text(re.compile(r"^\d+ cusps for L1 from "))
-    page.locator("#mode-design").press("Space")
     page.locator("#l1-slider").focus()
     page.get_by_label(re.compile("^Base point A2")).focus()
     expect(page.locator("#tip")).to_have_text("Base point A2, a2x = 15.91: drag it")
@@ -424,6 +424,7 @@ def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page
 def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98&m=design")
     count_is(page, "L1 = 14.98: 6 cusps")
+    expect(page.locator("#play")).to_be_enabled()
     x, y = middle(page.get_by_label(re.compile("^Base point A3")))
     page.mouse.move(x, y)
     page.mouse.down()

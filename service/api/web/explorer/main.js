@@ -205,9 +205,10 @@ class Explorer {
     if (curves || !this.#curves) this.take({ state, slice, curves }); // else the last picture stays
     else this.#draw();
     await this.#askPoses(); // first the picture, before a worker is busy for longer
-    await this.#askFate(state);
+    if (this.#census === geometryText(state.geometry)) await this.#askFate(state); // else first the census
     await this.#askLoop();
     if (this.#isCurrent(state)) await this.#askCensus(state);
+    if (await this.#askFate(state)) await this.#askLoop();
   }
 
   /** Whether the page still asks what it asked in a state. */
@@ -261,19 +262,24 @@ class Explorer {
     this.#later();
   }
 
-  /** Asks which cusp of the slice is the one that was selected in another, and goes on with the nearest one if it has ended. */
+  /**
+   * Asks which cusp of the slice is the one that was selected in another, and goes on with the nearest one if it has ended.
+   * Tells whether it is another one than was thought.
+   */
   async #askFate(state) {
     const geometry = geometryText(state.geometry);
     const since = this.#following.since({ geometry, l1: state.l1 });
     const curves = since && (await this.asking.ask("cusp curves", state, cuspCurvesOf(state, since.l1), { onRefusal() {} }));
-    if (!this.#isCurrent(state) || since !== this.#following.since({ geometry, l1: state.l1 })) return;
+    if (!this.#isCurrent(state) || since !== this.#following.since({ geometry, l1: state.l1 })) return false;
     const fate = curves && fateOf(curves, since, state.l1);
     if (fate?.end) this.#fate = `The selected cusp ended at L1 = ${shortened(fate.end.l1)} (${fate.end.kind}). `;
-    if (fate?.cusp !== undefined && fate.cusp !== this.#selected) this.#mark(fate.cusp);
-    this.#visit(this.#selected);
+    const isOther = fate?.cusp !== undefined && fate.cusp !== this.#selected;
+    if (isOther) this.#mark(fate.cusp);
+    if (since) this.#visit(this.#selected);
     if (fate?.end) say(byId("visited").textContent);
     this.#following.know({ geometry, l1: state.l1, cusp: this.#selected });
     this.#tell();
+    return isOther;
   }
 
   #tellSlice(slice) {

@@ -130,17 +130,18 @@ export class Mechanism {
     if (this.#shown) this.#update();
   }
 
-  /** The corners of all that is drawn, and of what was while it moves: so long the frame does not come nearer again. */
+  /** All that is drawn, and the corners of what was while poses move: so long the frame does not come nearer again. */
   #extent() {
     if (!this.#shown) return [];
     const { geometry, lengths, l1, b1, alpha } = this.#shown;
     const now = [...this.#seen([...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...orbitOf(b1, 12)]), ...this.#ghosts.flat()];
     const { of, time, corners } = this.#reach;
-    const isMoving = of === `${l1} ${geometryText(geometry)}` && performance.now() - time < STILL;
-    const ends = [...now, ...(isMoving ? corners : [])];
-    const ranges = [0, 1].map((axis) => ends.map((point) => point[axis]));
-    this.#reach = { of: `${l1} ${geometryText(geometry)}`, time: performance.now(), corners: [Math.min, Math.max].map((end) => ranges.map((range) => end(...range))) };
-    return this.#reach.corners;
+    const slice = `${l1} ${geometryText(geometry)}`;
+    const isMoving = !this.#held && of === slice && performance.now() - time < STILL;
+    const all = [...now, ...(isMoving ? corners : [])];
+    const ranges = [0, 1].map((axis) => all.map((point) => point[axis]));
+    this.#reach = { of: slice, time: performance.now(), corners: [Math.min, Math.max].map((end) => ranges.map((range) => end(...range))) };
+    return all;
   }
 
   /** Points in the frame in which the base was given. */
