@@ -278,7 +278,7 @@ class Explorer {
     if (since) this.#visit(this.#selected);
     if (fate?.end) say(byId("visited").textContent);
     this.#following.know({ geometry, l1: state.l1, cusp: this.#selected });
-    this.#tell();
+    this.#tell(true);
     return isOther;
   }
 
@@ -427,7 +427,7 @@ class Explorer {
     this.#motion.show(null);
     if (!isDrawn) return;
     this.#joint.drawLoop([]);
-    this.#draw();
+    if (!this.state.at) this.#mechanism.clearOthers();
   }
 
   #move(sample) {
@@ -508,8 +508,8 @@ class Explorer {
     this.#mechanism.draw(geometry, this.#last, this.#others);
   }
 
-  #tell() {
-    this.#steps.take(hashOf(this.state));
+  #tell(isAmended = false) {
+    this.#steps.take(hashOf(this.state), isAmended);
     this.#save.show(this.state);
     this.#calls.show({ ...this.state, tolerance: this.#exactness.tolerance, wish: this.#improve.members });
   }

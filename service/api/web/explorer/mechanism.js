@@ -115,6 +115,13 @@ export class Mechanism {
     else if (!this.#isMoved) this.#frame.follow();
   }
 
+  /** Takes the outlines away, the pose being kept. */
+  clearOthers() {
+    if (!this.#shown) return;
+    this.#outline([]);
+    this.#update();
+  }
+
   #outline(poses) {
     const { lengths } = this.#shown;
     this.#others = poses;
@@ -305,7 +312,7 @@ export class Mechanism {
       { name: "base", as: "line", text: "base" },
       { name: "orbit", as: "line", text: "circle of B1" },
       { name: "ghost", as: "line", text: "other poses", if: this.#ghosts.length > 0 },
-      { name: "meeting", as: "line", text: "lines of the legs, which meet: singular", if: this.#isSingular },
+      { name: "meeting", as: "line", text: "legs that meet: singular", if: this.#isSingular },
       { name: "candidate", as: "line", text: "better geometry", if: Boolean(this.#candidate) },
     ], "mechanism-marks");
   }
