@@ -152,21 +152,6 @@ def _primitive_parts(a: P, b: P) -> tuple[P, P]:
     return (a, b) if content in (0, 1) else (a / content, b / content)
 
 
-def primitive_rows(
-    table: Sequence[tuple[QuadraticPoly, ...]],
-) -> tuple[Sequence[tuple[QuadraticPoly, ...]], int]:
-    """Rows of polynomials without the content that all of them have in common, and this content.
-
-    That of zeros alone counts as 1.
-    """
-    parts = [_content(part) for rows in table for row in rows for part in (row.a, row.b)]
-    content = fmpz_poly(parts).content()
-    if content in (0, 1):
-        return table, 1
-    divided = [tuple(replace(row, a=row.a / content, b=row.b / content) for row in rows) for rows in table]
-    return divided, int(content)
-
-
 def _content(p: fmpz_poly | fmpz_mpoly) -> fmpz:
     return p.content()  # type: ignore[union-attr]  # missing in the stubs of fmpz_mpoly
 

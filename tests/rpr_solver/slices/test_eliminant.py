@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
@@ -26,7 +27,7 @@ from rpr_solver import (
 )
 from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.elimination import recovered
+from rpr_solver.exact.elimination import ball_resultant
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.model.slice_map import SliceMap
@@ -175,15 +176,21 @@ def test_a_negative_length_is_the_opposite_direction(m: Manipulator, leg: int) -
                 assert part[24 - k, i] == (-1) ** (k + i) * part[k, i]
 
 
-@given(SMALL_MANIPULATORS, st.sampled_from([1, 2, 3]))
+@given(SMALL_MANIPULATORS, lengths(), st.sampled_from([1, 2, 3]))
 @examples(6)
-def test_the_first_precision_suffices(m: Manipulator, leg: int) -> None:
-    """Radii below 1/4 at the precision that the bound of the values asks for: nothing is computed twice."""
-    sampling = _Sampling.of(SliceMap.of(m, leg))
-    with ctx.workprec(sampling.bits + 32):
-        coefficients = sampling.coefficients(omega_ball(sampling.slice_map.radicand, ctx.prec))
-        assert coefficients is not None
-        assert all(x.rad() < arb(0.25) for x in coefficients)
+def test_the_first_precision_suffices(m: Manipulator, length: Fraction, leg: int) -> None:
+    """One value at each of two points, for each sign of ω: nothing is computed twice."""
+    asked: list[int] = []
+
+    def counted(first: Sequence[arb], second: Sequence[arb]) -> arb:
+        asked.append(ctx.prec)
+        return ball_resultant(first, second)
+
+    slice_map = SliceMap.of(m, leg)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rpr_solver.slices.eliminant.ball_resultant", counted)
+        _Sampling.of(slice_map).at(length * slice_map.scale)
+    assert len(asked) == (2 if slice_map.radicand == 1 else 4)
 
 
 @given(st.lists(st.integers(-60, 60), min_size=8, max_size=8), st.sampled_from([1, 2, 3]), st.integers(1, 6))
@@ -203,7 +210,7 @@ def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: i
 def test_factors_that_do_not_divide_are_noticed(along: list[int]) -> None:
     sampling = replace(_Sampling.of(SliceMap.of(EXAMPLES["zein-flat"])), along=QuadraticPoly.rational(along))
     with pytest.raises(SolverError, match="known factors"):
-        recovered(1, sampling.coefficients, sampling.bits)
+        sampling.whole()
 
 
 # one slice
