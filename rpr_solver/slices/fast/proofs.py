@@ -187,6 +187,13 @@ def _roots_on_the_line(q: Doubles) -> Complexes:
     return roots
 
 
+def real_eigenvalues(q: Sequence[float]) -> list[float]:
+    """Guesses of the real roots of Q with these coefficients, ascending."""
+    with np.errstate(all="ignore"):
+        [roots] = _roots_on_the_line(np.array([q]))
+    return sorted(roots.real[roots.imag == 0].tolist())
+
+
 def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
     """The coefficients of P and of Q by powers of L / 2^exponent, each right to two units of the last place.
 
