@@ -313,15 +313,15 @@ def changes_at(chain: SturmChain, point: arb | None) -> int | None:
     """The sign changes of Sturm's sequence at a point, of which None is ∞; None if they stay open."""
     polynomials, quotients = chain
     if point is None:
-        return _changes([p[p.degree()] for p in polynomials])
+        return changes_between([p[p.degree()] for p in polynomials])
     values = [polynomials[-1][0], polynomials[-2](point)]
     for quotient in quotients:  # from the last two up: faster, and nearly always as good as one by one
         values.append(quotient(point) * values[-1] - values[-2])
-    changes = _changes(values)
-    return _changes([p(point) for p in polynomials]) if changes is None else changes
+    changes = changes_between(values)
+    return changes_between([p(point) for p in polynomials]) if changes is None else changes
 
 
-def _changes(values: Sequence[arb]) -> int | None:
+def changes_between(values: Sequence[arb]) -> int | None:
     """Changes of sign between neighbours; None if a sign is not certain."""
     if any(value.contains(0) for value in values):
         return None

@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import TypeAlias
 
-from flint import fmpz, fmpz_mat, fmpz_poly
+from flint import arb, arb_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.exact.biform import Rows, Table
 from rpr_solver.exact.quadratic import QuadraticNumber, QuadraticPoly
@@ -50,6 +50,15 @@ class PackedSlice:
     def rows(self) -> Rows:
         """The coefficients of t⁰, t¹, …"""
         return _rows(self.polynomial, self.degree)
+
+    def matrix(self, omega: arb) -> arb_mat:
+        """A row of coefficients of t⁰, t¹, … for each of u⁰, u¹, …"""
+        matrix = self._matrix(self.polynomial.a)
+        return matrix + self._matrix(self.polynomial.b) * omega if self.polynomial.b else matrix
+
+    def _matrix(self, part: fmpz_poly) -> arb_mat:
+        size, numbers = self.degree + 1, part.coeffs() + [fmpz(0)] * _L
+        return arb_mat(fmpz_mat([numbers[_U * k : _U * k + size] for k in range(size)]))
 
     def size(self, rho: int) -> Size:
         """That of the form in √ρ t and √ρ u."""

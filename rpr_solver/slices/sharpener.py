@@ -65,6 +65,7 @@ class PoseSharpener:
         reverse = [_reversed(row) for row in j] if any(x.inverse for x in thetas) else j
         above = []
         for theta, start in zip(thetas, starts, strict=True):
+            # FLINT's values of polynomials are tighter than sums of powers
             row = [part(theta.x) for part in (reverse if theta.inverse else j)]
             above.append(_with_slope(row[::-1] if start.inverse else row))
         return self._sharpened(starts, above)

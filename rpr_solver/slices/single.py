@@ -11,10 +11,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from flint import arb, arb_poly, ctx
+from flint import arb, arb_mat, arb_poly, ctx
 
-from rpr_solver.exact.biform import Rows
-from rpr_solver.exact.real_roots import ball_of, roots_below
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of, count_of_real_roots
 from rpr_solver.model.jets import common_root
 from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.slices.decimals import HalfAngle
@@ -51,21 +51,26 @@ def _cusps(reference: ReferenceSlice) -> list[JointPoint] | None:
     sharpener = PoseSharpener(slice_map, reference.digits)
     bits = sharpener.bits
     with ctx.workprec(bits):
-        root = arb(slice_map.rho).sqrt()
-        q = _measured(reference.q.ball(bits), root)
-        roots = _near_eigenvalues(q)
+        q = _in_unit_1([[x] for x in reference.q.ball(bits).coeffs()], slice_map.rho)
+        coefficients = [x for row in q for x in row]
+        roots = _near_eigenvalues(coefficients)
         if roots is None:
+            root = arb(slice_map.rho).sqrt()
             roots = [near_start(x.ball * root) for x in reference.roots or ()]
         if not roots:
             return []
-        j, e = (form.rows for form in slice_map.sliced(reference.scaled))
-        thetas = sharpener.thetas(q.coeffs(), roots)
-        starts = thetas and _starts(j, e, root, thetas)
-        alphas = thetas and starts and sharpener.alphas(_balls(j, root, bits), thetas, starts)
+        omega = omega_ball(slice_map.radicand, bits)
+        j, e = (form.matrix(omega) for form in slice_map.sliced(reference.scaled))
+        if slice_map.rho > 1:
+            j, e = (arb_mat(_in_unit_1(form.tolist(), slice_map.rho)) for form in (j, e))
+        thetas = sharpener.thetas(coefficients, roots)
+        starts = thetas and _starts(j, e, thetas)
+        columns = [arb_poly(column) for column in j.transpose().tolist()]
+        alphas = thetas and starts and sharpener.alphas(columns, thetas, starts)
         return sharpener.points(ball_of(reference.scaled), alphas, thetas) if alphas and thetas else None
 
 
-def _near_eigenvalues(q: arb_poly) -> list[HalfAngle] | None:
+def _near_eigenvalues(coefficients: Sequence[arb]) -> list[HalfAngle] | None:
     """All real roots of a polynomial, ascending, near the eigenvalues of its companion matrix.
 
     None if numpy is not loaded, or some root is not proved.
@@ -74,10 +79,10 @@ def _near_eigenvalues(q: arb_poly) -> list[HalfAngle] | None:
         return None
     from rpr_solver.slices.fast import real_eigenvalues
 
-    top = max(abs(x.mid()) for x in q.coeffs())
-    found = real_eigenvalues([float(x / top) for x in q.coeffs()])
-    count = roots_below(q, [None], _COUNT_BITS)
-    if count is None or count[0] != len(found):
+    top = max(abs(x.mid()) for x in coefficients)
+    found = real_eigenvalues([float(x / top) for x in coefficients])
+    q = arb_poly(list(coefficients))
+    if count_of_real_roots(q, _COUNT_BITS) != len(found):
         return None
     with ctx.workprec(_FIRST_BITS):
         slope, roots, last = q.derivative(), [], arb.neg_inf()
@@ -93,13 +98,11 @@ def _near_eigenvalues(q: arb_poly) -> list[HalfAngle] | None:
         return roots
 
 
-def _starts(j: Rows, e: Rows, root: arb, thetas: Sequence[HalfAngle]) -> list[HalfAngle] | None:
+def _starts(j: arb_mat, e: arb_mat, thetas: Sequence[HalfAngle]) -> list[HalfAngle] | None:
     """Balls of the common roots of J and E above roots of Q; None if they are too wide."""
     with ctx.workprec(_FIRST_BITS):
-        forms = [_balls(rows, root, _FIRST_BITS) for rows in (j, e)]
         starts = []
-        for theta in thetas:
-            first, second = ([_value(row, len(form) - 1, theta) for row in form] for form in forms)
+        for first, second in zip(_above(j, thetas), _above(e, thetas), strict=True):
             t = common_root(first, second)
             start = HalfAngle.of(t, _START_BITS) if t else None
             if start is None:
@@ -108,17 +111,20 @@ def _starts(j: Rows, e: Rows, root: arb, thetas: Sequence[HalfAngle]) -> list[Ha
         return starts
 
 
-def _balls(rows: Rows, root: arb, bits: int) -> list[arb_poly]:
-    """A form in half tangents times √ρ."""
-    balls = [row.ball(bits) for row in rows]
-    return balls if root == 1 else [_measured(p, root) * (1 / root**i) for i, p in enumerate(balls)]
+def _above(form: arb_mat, thetas: Sequence[HalfAngle]) -> list[list[arb]]:
+    """The coefficients of t⁰, t¹, … of a form above each of some angles, up to a factor."""
+    rows = []
+    for theta in thetas:
+        powers = [arb(1), theta.x]
+        while len(powers) < form.nrows():
+            powers.append(powers[-1] * theta.x)
+        rows.append(powers[::-1] if theta.inverse else powers)
+    return (arb_mat(rows) * form).tolist()
 
 
-def _measured(p: arb_poly, root: arb) -> arb_poly:
-    """p(u/√ρ)."""
-    return p if root == 1 else p(arb_poly([0, 1 / root]))
-
-
-def _value(p: arb_poly, degree: int, theta: HalfAngle) -> arb:
-    """The value of a form, or of the form in 1/u."""
-    return arb_poly([p[degree - k] for k in range(degree + 1)])(theta.x) if theta.inverse else p(theta.x)
+def _in_unit_1(form: list[list[arb]], rho: int) -> list[list[arb]]:
+    """A form in half tangents times √ρ, by a row of coefficients for each power of one."""
+    if rho == 1:
+        return form
+    root = arb(rho).sqrt()
+    return [[x / root ** (i + k) for i, x in enumerate(row)] for k, row in enumerate(form)]

@@ -27,31 +27,30 @@ from rpr_solver.slices.sharpener import PoseSharpener, near_start
 from rpr_solver.slices.slice_table import SliceTable, slice_certificate
 
 
-class _Polynomials:
+class _Forms:
     """Q and J of all slices, in balls, with half tangents in the unit 1 in place of 1/√ρ."""
 
     def __init__(self, eliminant: Eliminant, bits: int) -> None:
         slice_map = eliminant.slice_map
         with ctx.workprec(bits):
-            omega = omega_ball(slice_map.radicand, bits)
+            omega, weights = omega_ball(slice_map.radicand, bits), root_powers(slice_map.rho, DEGREE_U)
             self._q = arb_mat(eliminant.a) + arb_mat(eliminant.b) * omega
             self._j = [[c.ball(bits) for c in row] for row in slice_map.singular.coefficients]
             if slice_map.rho > 1:
-                weights = root_powers(slice_map.rho, DEGREE_U)
-                self._q = arb_mat(
-                    [[x / w for x in row] for row, w in zip(self._q.tolist(), weights, strict=True)]
-                )
+                rows = zip(self._q.tolist(), weights, strict=True)
+                self._q = arb_mat([[x / weight for x in row] for row, weight in rows])
                 self._j = [
                     [arb_poly([x / weights[i + k] for k, x in enumerate(c.coeffs())]) for c in row]
                     for i, row in enumerate(self._j)
                 ]
 
     def at(self, length: arb) -> tuple[list[arb], list[arb_poly]]:
-        """The coefficients of both at one *scaled* L, J being linear in it."""
+        """The coefficients of Q, and those of t⁰, t¹, … of J, at one *scaled* L."""
         powers = [arb(1), length]
         for k in range(2, DEGREE_L + 1):
             powers.append(powers[k // 2] * powers[(k + 1) // 2])
         q = (self._q * arb_mat(DEGREE_L + 1, 1, powers)).entries()
+        # J of flat congruent triangles does not hold L
         return q, [row[0] if len(row) == 1 else row[0] + row[1] * length for row in self._j]
 
 
@@ -72,7 +71,7 @@ class Scan:
         self.eliminant, self.lengths, self.digits = eliminant, lengths, digits
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
         self._sharpener = PoseSharpener(eliminant.slice_map, digits)
-        self._polynomials = _Polynomials(eliminant, self._sharpener.bits)
+        self._forms = _Forms(eliminant, self._sharpener.bits)
         self._boxes: dict[int, list[NearPose] | None] = {}
 
     def table(self, place: int) -> SliceTable | None:
@@ -97,7 +96,7 @@ class Scan:
             return []
         with ctx.workprec(self._sharpener.bits):
             ball = ball_of(length)
-            q, j = self._polynomials.at(ball)
+            q, j = self._forms.at(ball)
             thetas = self._sharpener.thetas(
                 q, [near_start(arb(x.u, x.u_reach), inverse=x.u_inverse) for x in boxes]
             )

@@ -68,9 +68,9 @@ def test_guesses_that_are_not_all_roots_prove_nothing(monkeypatch: pytest.Monkey
         p, root = arb_poly([-2, 0, -1, 0, 1]), 2**0.5
         for guesses in ([root], [-root, 0.0, root], [root, root], [-root, root + 1e-6]):
             monkeypatch.setattr("rpr_solver.slices.fast.real_eigenvalues", lambda _q, found=guesses: found)
-            assert single._near_eigenvalues(p) is None
+            assert single._near_eigenvalues(p.coeffs()) is None
         monkeypatch.setattr("rpr_solver.slices.fast.real_eigenvalues", lambda _q: [-root, root])
-        roots = single._near_eigenvalues(p)
+        roots = single._near_eigenvalues(p.coeffs())
         assert roots is not None
         assert [x.x.contains(y) for x, y in zip(roots, (-arb(2).sqrt(), arb(2).sqrt()), strict=True)] == [
             True,
