@@ -49,25 +49,32 @@ def _cusps(reference: ReferenceSlice) -> list[JointPoint] | None:
     """The cusps of a generic slice; None if one is not decided."""
     slice_map = reference.slice_map
     sharpener = PoseSharpener(slice_map, reference.digits)
-    bits = sharpener.bits
-    with ctx.workprec(bits):
-        q = _in_unit_1([[x] for x in reference.q.ball(bits).coeffs()], slice_map.rho)
-        coefficients = [x for row in q for x in row]
+    with ctx.workprec(sharpener.bits):
+        coefficients = reference.q.ball(sharpener.bits).coeffs()
+        if slice_map.rho > 1:
+            coefficients = [x for [x] in _in_unit_1([[x] for x in coefficients], slice_map.rho)]
         roots = _near_eigenvalues(coefficients)
         if roots is None:
             root = arb(slice_map.rho).sqrt()
             roots = [near_start(x.ball * root) for x in reference.roots or ()]
         if not roots:
             return []
-        omega = omega_ball(slice_map.radicand, bits)
-        j, e = (form.matrix(omega) for form in slice_map.sliced(reference.scaled))
-        if slice_map.rho > 1:
-            j, e = (arb_mat(_in_unit_1(form.tolist(), slice_map.rho)) for form in (j, e))
         thetas = sharpener.thetas(coefficients, roots)
-        starts = thetas and _starts(j, e, thetas)
-        columns = [arb_poly(column) for column in j.transpose().tolist()]
-        alphas = thetas and starts and sharpener.alphas(columns, thetas, starts)
+        alphas = thetas and _alphas(reference, sharpener, thetas)
         return sharpener.points(ball_of(reference.scaled), alphas, thetas) if alphas and thetas else None
+
+
+def _alphas(
+    reference: ReferenceSlice, sharpener: PoseSharpener, thetas: Sequence[HalfAngle]
+) -> list[HalfAngle] | None:
+    """The common roots t of J and E above the roots of Q."""
+    slice_map = reference.slice_map
+    omega = omega_ball(slice_map.radicand, sharpener.bits)
+    j, e = (form.matrix(omega) for form in slice_map.sliced(reference.scaled))
+    if slice_map.rho > 1:
+        j, e = (arb_mat(_in_unit_1(form.tolist(), slice_map.rho)) for form in (j, e))
+    starts = _starts(j, e, thetas)
+    return starts and sharpener.alphas([arb_poly(x) for x in j.transpose().tolist()], thetas, starts)
 
 
 def _near_eigenvalues(coefficients: Sequence[arb]) -> list[HalfAngle] | None:

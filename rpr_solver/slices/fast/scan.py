@@ -54,7 +54,7 @@ class _Forms:
         return q, [row[0] if len(row) == 1 else row[0] + row[1] * length for row in self._j]
 
 
-BLOCK = 128
+BLOCK = 256
 """Slices whose poses are proved at once: progress is reported, and memory bounded, in between."""
 
 
@@ -72,11 +72,12 @@ class Scan:
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
         self._sharpener = PoseSharpener(eliminant.slice_map, digits)
         self._forms = _Forms(eliminant, self._sharpener.bits)
+        self._residues = _Residues(eliminant)
         self._boxes: dict[int, list[NearPose] | None] = {}
 
     def table(self, place: int) -> SliceTable | None:
         """The table of the slice at a place among the lengths; None if it is left to the reference."""
-        if not _is_generic(self.eliminant, self._scaled[place]):
+        if not self._residues.is_generic(self._scaled[place]):
             return None
         if place not in self._boxes:
             self._prove_block(place - place % BLOCK)
@@ -116,20 +117,30 @@ class Scan:
         }
 
 
-def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
-    """Proof modulo a prime that Q has 24 finite simple roots, none spurious, and w and q no common one."""
-    f = eliminant.slice_map.f
-    p, omega, matrix = eliminant.residues
-    if length.denominator % p == 0:
-        return False
-    x = nmod(length.numerator, p) / nmod(length.denominator, p)
-    powers = [nmod(1, p)]
-    for _ in range(DEGREE_L):
-        powers.append(powers[-1] * x)
-    q = nmod_poly((matrix * nmod_mat(DEGREE_L + 1, 1, powers, p)).entries(), p)
-    along, closed = f.collinear().residue(p, omega), f.closed(length).residue(p, omega)
-    if q.degree() != DEGREE_U or closed.degree() != 2:
-        return False
-    spurious = along * closed * nmod_poly([1, 0, eliminant.slice_map.rho], p)
-    pairs = (along, closed), (q, q.derivative()), (q, spurious)
-    return all(first.gcd(second).degree() == 0 for first, second in pairs)
+class _Residues:
+    """Q, w and q modulo a prime."""
+
+    def __init__(self, eliminant: Eliminant) -> None:
+        f, rho = eliminant.slice_map.f, eliminant.slice_map.rho
+        self._p, omega, self._q = eliminant.residues
+        self._along = f.collinear().residue(self._p, omega)
+        self._along_or_circular = self._along * nmod_poly([1, 0, rho], self._p)
+        x, y = (nmod(z.times(1, omega), self._p) for z in f.base)
+        self._sides, self._base, self._rho = nmod(f.base2 - f.platform2, self._p), (2 * x, -4 * rho * y), rho
+
+    def is_generic(self, length: Fraction) -> bool:
+        """Proof for a *scaled* L: Q has 24 finite simple roots, none spurious, and w and q no common one."""
+        p = self._p
+        if length.denominator % p == 0:
+            return False
+        x = nmod(length.numerator, p) / nmod(length.denominator, p)
+        powers = [nmod(1, p)]
+        for _ in range(DEGREE_L):
+            powers.append(powers[-1] * x)
+        q = nmod_poly((self._q * nmod_mat(DEGREE_L + 1, 1, powers, p)).entries(), p)
+        even, (cos, sin) = powers[2] + self._sides, self._base
+        closed = nmod_poly([even - x * cos, x * sin, (even + x * cos) * self._rho], p)
+        if q.degree() != DEGREE_U or closed.degree() != 2:
+            return False
+        pairs = (self._along, closed), (q, q.derivative()), (q, self._along_or_circular * closed)
+        return all(first.gcd(second).degree() == 0 for first, second in pairs)
