@@ -162,6 +162,7 @@ class Leg:
         """The coordinates of the base point times an element of any ring."""
         return self.base[0].times(one, omega), self.base[1].times(one, omega)
 
+    @cached_property
     def collinear(self) -> QuadraticPoly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
         x, y = self.base

@@ -242,14 +242,14 @@ class _Sampling:
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Sampling:
-        return cls(slice_map, slice_map.f.collinear().primitive(), slice_map.unit)
+        return cls(slice_map, slice_map.f.collinear.primitive(), slice_map.unit)
 
     @cached_property
     def _content(self) -> Fraction:
         """That of Q without its powers of ν and of the denominator of L (see :meth:`at`)."""
         f, g = self.slice_map.f, self.slice_map.g
         sides = f.platform2**2 * g.platform2 * self.slice_map.side2
-        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear().content ** 2
+        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear.content**2
         return content * self.slice_map.rho**3
 
     @cached_property

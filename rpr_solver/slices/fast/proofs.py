@@ -189,8 +189,12 @@ def _roots_on_the_line(q: Doubles) -> Complexes:
 
 def real_eigenvalues(q: Sequence[float]) -> list[float]:
     """Guesses of the real roots of Q with these coefficients, ascending."""
-    with np.errstate(all="ignore"):
-        [roots] = _roots_on_the_line(np.array([q]))
+    companion = np.eye(DEGREE_U, k=-1)
+    companion[0] = [-x / q[-1] for x in q[-2::-1]] if q[-1] else np.nan
+    try:
+        roots = np.linalg.eigvals(companion)
+    except np.linalg.LinAlgError:
+        return []
     return sorted(roots.real[roots.imag == 0].tolist())
 
 

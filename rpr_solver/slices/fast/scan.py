@@ -123,7 +123,7 @@ class _Residues:
     def __init__(self, eliminant: Eliminant) -> None:
         f, rho = eliminant.slice_map.f, eliminant.slice_map.rho
         self._p, omega, self._q = eliminant.residues
-        self._along = f.collinear().residue(self._p, omega)
+        self._along = f.collinear.residue(self._p, omega)
         self._along_or_circular = self._along * nmod_poly([1, 0, rho], self._p)
         x, y = (nmod(z.times(1, omega), self._p) for z in f.base)
         self._sides, self._base, self._rho = nmod(f.base2 - f.platform2, self._p), (2 * x, -4 * rho * y), rho
