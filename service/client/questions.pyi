@@ -41,6 +41,7 @@ def census(
     stop: Exact | None = None,
     sensitivities: bool | None = None,
     tolerance: Exact | Mapping[str, Exact] | None = None,
+    ignore_windows: Exact | None = None,
     deadline: float | None = None,
 ) -> Asked[Census]:
     """Every length at which the number of cusps changes."""
@@ -135,7 +136,6 @@ def design(
     family: Literal['isosceles-1', 'isosceles-2', 'isosceles-3', 'similar', 'congruent', 'mirror'] | None = None,
     decimals: int | None = None,
     min_height: Exact | None = None,
-    ignore_windows: Exact | None = None,
     loop: Literal['required', 'excluded'] | None = None,
     min_aspects: int | None = None,
     max_aspects: int | None = None,

@@ -38,6 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         --max-cusps: maximum number of cusps in any slice; 0: none at all
         --min-cusps: minimum number of cusps in any slice
         --expect-cusps: number of cusps in each slice of --l1 (--l2, …), or in every slice of the range
+        --ignore-windows: a width: windows of other numbers of cusps that are narrower are ignored, and listed
         --degenerate: allowed (and reported) or refused: degenerate poses in every slice, or along a whole
             curve in a slice
         --mode-change: required or excluded: a change of assembly mode without a singularity, in the range
@@ -57,6 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--min-cusps", metavar="N")
     parser.add_argument("--expect-cusps", metavar="N")
     parsers.add_limits(parser)
+    parser.add_argument("--ignore-windows", metavar="X")
     parser.add_argument("--degenerate", metavar="WORD", choices=(ALLOWED, REFUSED), default=ALLOWED)
     parser.add_argument("--mode-change", metavar="WORD", choices=(REQUIRED, EXCLUDED))
     parser.add_argument("--tolerance", metavar="T")
@@ -76,7 +78,8 @@ def run(args: argparse.Namespace) -> int:
     Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those
     of its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the
     other legs, only cusps strictly within them are counted. The absence of cusps does not prove that the
-    assembly mode cannot change.
+    assembly mode cannot change. With --ignore-windows, what violates the requirement only in windows that are
+    narrower passes; each of these is listed with its width.
 
     With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths
     differ from its own by at most the tolerance. Otherwise there is a counter-example, or the tolerance is
@@ -90,6 +93,7 @@ def run(args: argparse.Namespace) -> int:
       rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
       rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40
       rpr-cusps check innocenti --l1-range 21:26 --max-cusps 6 --tolerance 0.05
+      rpr-cusps check innocenti --l1-range 0:20 --max-cusps 6 --ignore-windows 0.001
       rpr-cusps check robot.json --l1 28.1 --expect-cusps 10 --tolerance d1=0.0002,a3x=0.0001
 
     On GitHub Actions, each geometry that does not pass is annotated.
@@ -153,6 +157,7 @@ def _expectation(args: argparse.Namespace) -> Expectation:
         "--max-cusps": args.max_cusps,
         "--mode-change": args.mode_change,
         "--min-cusps": args.min_cusps,
+        "--ignore-windows": args.ignore_windows,
         **dict(args.ranges),
         **dict(args.limits),
     }

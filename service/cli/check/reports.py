@@ -150,6 +150,12 @@ class Outcome:
         return [degenerate_words(part, self.report["requirement"]["fixed_leg"]) for part in found]
 
     @property
+    def ignored(self) -> list[str]:
+        """The windows that are ignored, a line for each."""
+        found = self.report.get("ignored_windows", ())
+        return [ignored_words(window, self.report["requirement"]["fixed_leg"]) for window in found]
+
+    @property
     def near(self) -> str:
         """The line about a special shape that contradicts or weakens the report; empty without one."""
         return near_words(self.report)
@@ -197,6 +203,19 @@ def short(text: str, digits: int = _DIGITS) -> str:
     value = context.divide(Decimal(x.numerator), Decimal(x.denominator)).normalize(context)
     is_plain = value.is_zero() or -_PLAIN < value.adjusted() < _PLAIN
     return f"{value:f}" if is_plain else str(value).lower()
+
+
+def ignored_words(window: Mapping[str, Any], fixed_leg: int) -> str:
+    """Returns one line on a window that is ignored.
+
+    >>> ends = {"from": "10.9056632492710", "to": "10.9056666270906"}
+    >>> ignored_words({**ends, "width": "0.00000337782", "counts": [8]}, 1)
+    '8 cusps for L1 from 10.9056632 to 10.9056666, 0.00000337782 wide'
+    """
+    *others, last = window["counts"]
+    start, stop = apart(window["from"], window["to"])
+    cusps = ", ".join([*map(str, others), counted(last, "cusp")])
+    return f"{cusps} for L{fixed_leg} from {start} to {stop}, {window['width']} wide"
 
 
 def apart(low: str, high: str | None) -> tuple[str, str | None]:
@@ -252,7 +271,8 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
     """Returns all outcomes as a page."""
     sections = []
     for outcome in outcomes:
-        notes = [f"degenerate: {words}" for words in outcome.degenerate]
+        notes = [f"ignored: {words}" for words in outcome.ignored]
+        notes += [f"degenerate: {words}" for words in outcome.degenerate]
         if outcome.passed:
             within = ", within the tolerance too" if outcome.margin else ""
             counts = outcome.report["min_cusps_found"], outcome.report["max_cusps_found"]
@@ -284,6 +304,8 @@ def about(requirement: Mapping[str, Any]) -> str:
     """Returns the line that describes a requirement."""
     leg = requirement["fixed_leg"]
     last = ", nothing degenerate" if requirement.get("degenerate") == REFUSED else ""
+    if (narrow := requirement.get("ignore_windows")) is not None:
+        last += f", windows narrower than {narrow} ignored"
     last += f", with {tolerance_words(requirement['tolerance'])}" if "tolerance" in requirement else ""
     if "expect_cusps" in requirement:
         return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}{last}"
