@@ -1,4 +1,4 @@
-"""What each part of a service spends on each kind of question: the table of docs/scale.md.
+"""What each part of a service spends on each kind of question: the table of docs/performance.md.
 
     python -m benchmarks.parts [--jobs 40] [--json FILE]
 

@@ -19,8 +19,8 @@ TESTS = Path(__file__).parents[1] / "tests" / "faults"
 MARKER = "<!-- from here on written by docs/reliability.py -->\n"
 
 
-def rows(path: Path) -> Iterator[tuple[str, str, str]]:
-    """Yields what fails, what becomes of it, and the test that shows it.
+def rows(path: Path) -> Iterator[tuple[str, str]]:
+    """Yields what fails, and what becomes of it: a pair for each test.
 
     Raises:
         ValueError: a test does not say both.
@@ -31,8 +31,7 @@ def rows(path: Path) -> Iterator[tuple[str, str, str]]:
             fault, end, outcome = text.partition(". ")
             if not end:
                 raise ValueError(f"{path.name}: {node.name} does not say what fails. And what happens then.")
-            is_long = any("mark.long" in ast.unparse(decorator) for decorator in node.decorator_list)
-            yield fault, outcome.rstrip("."), f"`{node.name}`{' (long)' if is_long else ''}"
+            yield fault, outcome.rstrip(".")
 
 
 def tables() -> str:
@@ -40,8 +39,8 @@ def tables() -> str:
     parts = []
     for path in sorted(TESTS.glob("test_*.py")):
         title = (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").partition("\n")[0]
-        lines = [f"| {fault} | {outcome} | {test} |" for fault, outcome, test in rows(path)]
-        head = f"## {title.rstrip('.')}\n| fault | what happens | test in `{path.name}` |\n|---|---|---|"
+        lines = [f"| {fault} | {outcome} |" for fault, outcome in rows(path)]
+        head = f"## {title.rstrip('.')}\n| fault | what happens |\n|---|---|"
         parts.append("\n".join([head, *lines]))
     return "\n" + "\n\n".join(parts) + "\n"
 

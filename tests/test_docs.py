@@ -149,7 +149,8 @@ def test_no_text_makes_cusps_the_only_way_to_change_the_assembly_mode() -> None:
 
 
 def test_every_page_is_in_the_navigation_once() -> None:
-    trees = re.findall(r"^```\{toctree\}\n(.*?)^```$", TEXTS["index.md"], re.MULTILINE | re.DOTALL)
+    tree = re.compile(r"^```\{toctree\}\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+    trees = [found for text in TEXTS.values() for found in tree.findall(text)]
     listed = [line for tree in trees for line in tree.splitlines() if not line.startswith(":")]
     assert sorted(f"{name}.md" for name in [*listed, "index"]) == sorted(TEXTS)
 

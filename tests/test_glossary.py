@@ -44,6 +44,7 @@ ABOUT_THE_CODE = {
     "glossary",
     "index",
     "mathematics",
+    "referees",
     "reference",
     "reliability",
     "testing",
