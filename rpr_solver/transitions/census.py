@@ -266,7 +266,7 @@ def census(
     >>> census(EXAMPLES["zein-flat"], digits=15).counts
     (0, 2, 4, 6, 8, 6, 8, 6, 8, 6, 8, 6, 4)
     >>> census(EXAMPLES["zein-flat"], digits=15, ignore_windows="0.001").kept_counts
-    (0, 2, 4, 6, 8, 6, 8, 6, 8, 6, 6, 4)
+    (0, 2, 4, 6, 8, 6, 8, 6, 6, 8, 6, 4)
     """
     digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     span, narrow = LengthRange.of(start, stop), parse_not_negative(ignore_windows, "ignore_windows")
