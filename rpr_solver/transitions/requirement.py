@@ -36,6 +36,7 @@ class Requirement:
         mode_change: ``"required"`` or ``"excluded"``: whether the assembly mode can change without a
             singularity while the fixed leg keeps the range, within the limits; the range then begins at a
             length > 0, and no number of cusps is needed. None: it does not matter.
+        clearance: how far, in degrees, a change of assembly mode keeps from singular poses; 0: any does.
         ignore_windows: a width, exact: windows of slices with other numbers of cusps are ignored if they are
             narrower (:mod:`rpr_solver.transitions.windows`); 0 ignores none.
 
@@ -58,6 +59,7 @@ class Requirement:
     degenerate: str = ALLOWED
     mode_change: str | None = None
     ignore_windows: Fraction = Fraction(0)
+    clearance: Fraction = Fraction(0)
 
     def __init__(
         self,
@@ -70,6 +72,7 @@ class Requirement:
         degenerate: str = ALLOWED,
         mode_change: str | None = None,
         ignore_windows: Exact = Fraction(0),
+        clearance: Exact = Fraction(0),
     ) -> None:
         leg = check_leg(fixed_leg, "requirement.fixed_leg")
         problems: list[FieldProblem] = []
@@ -86,6 +89,10 @@ class Requirement:
         least = read(lambda: _count(min_cusps, "requirement.min_cusps"))
         bounds = read(lambda: read_limits({} if limits is None else limits, "requirement.limits", leg))
         narrow = read(lambda: parse_not_negative(ignore_windows, "requirement.ignore_windows"))
+        wide = read(lambda: parse_not_negative(clearance, "requirement.clearance"))
+        if wide and mode_change is None:
+            text = "is for changes of assembly mode; give mode_change, too"
+            problems.append(FieldProblem("requirement.clearance", text))
         if max_cusps is None and min_cusps is None and mode_change is None:
             problems.append(FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps"))
         if most is not None and least is not None and most < least:
@@ -99,7 +106,7 @@ class Requirement:
         problems += _of_mode_change(mode_change, span)
         if problems or span is None or bounds is None:
             raise InputError(problems)
-        values = (leg, span.start, span.stop, most, least, bounds, degenerate, mode_change, narrow)
+        values = (leg, span.start, span.stop, most, least, bounds, degenerate, mode_change, narrow, wide)
         for own, value in zip(fields(self), values, strict=True):
             object.__setattr__(self, own.name, value)
 
@@ -143,7 +150,8 @@ class Requirement:
         }
         counts = obj.get("max_cusps"), obj.get("min_cusps")
         [narrow] = numbers({"": obj.get("ignore_windows")}, "ignore_windows", "")
-        last = limits, obj.get("degenerate", ALLOWED), obj.get("mode_change"), narrow or 0
+        [wide] = numbers({"": obj.get("clearance")}, "clearance", "")
+        last = limits, obj.get("degenerate", ALLOWED), obj.get("mode_change"), narrow or 0, wide or 0
         return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, *last)  # type: ignore[arg-type]
 
     def to_json(self) -> dict[str, Any]:
@@ -157,6 +165,7 @@ class Requirement:
             "limits": limits_json(self.limits),
             "degenerate": self.degenerate,
             **({} if self.mode_change is None else {"mode_change": self.mode_change}),
+            **({"clearance": exact_str(self.clearance)} if self.clearance else {}),
             **({"ignore_windows": exact_str(self.ignore_windows)} if self.ignore_windows else {}),
         }
 
@@ -167,8 +176,15 @@ class Requirement:
             InputError: it is about changes of assembly mode, too.
         """
         if self.mode_change is not None:
-            raise InputError.of("requirement.mode_change", "is for checks without a tolerance alone")
+            raise InputError.of("requirement.mode_change", "is for checks alone")
         return self
+
+    def counts_alone(self) -> Requirement | None:
+        """The same without changes of assembly mode; None if it bounds no numbers of cusps."""
+        if self.max_cusps is None and self.min_cusps is None:
+            return None
+        kept = {name: x for name, x in self.to_json().items() if name not in ("mode_change", "clearance")}
+        return Requirement.from_json(kept, max_digits=1 << 20)
 
     def ignoring(self, width: Fraction) -> Requirement:
         """The same requirement, which ignores windows that are narrower than a width."""

@@ -54,6 +54,7 @@ def requirement_schema(leg: Leg) -> Read:
         {
             "limits": nothing_or(record({}, dict.fromkeys(leg.free, limit))),
             "mode_change": _of_modes,
+            "clearance": _of_modes,
             "ignore_windows": POSITIVE,
         },
     )

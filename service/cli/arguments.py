@@ -34,7 +34,7 @@ Q = TypeVar("Q", bound=Question)
 
 MAX_LOCAL_SLICES = 1_000_000
 
-_OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change", "ignore_windows")
+_OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change", "ignore_windows", "clearance")
 _ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_seconds"] = "--deadline"

@@ -180,6 +180,8 @@ class RequirementDocument(Document):
         mode_change: Whether a change of assembly mode without a singularity must be possible, or impossible,
             while the fixed leg keeps the range, within the limits. The range then begins at a length > 0; it
             may have no upper end.
+        clearance: With `mode_change`: how far, in degrees, a change keeps from singular poses, as for
+            `/v1/assembly-modes`.
         ignore_windows: A width in the unit of the lengths. A window of the requirement is a longest stretch
             of lengths in the range whose slices all have another number of cusps than is required; one that
             is narrower is ignored, and listed.
@@ -197,14 +199,17 @@ class RequirementDocument(Document):
     degenerate: Literal["allowed", "refused"] = "allowed"
     mode_change: Literal["required", "excluded"] | None = None
     ignore_windows: Exact | None = given()
+    clearance: Exact | None = given()
 
     def to_requirement(self) -> Requirement:
         """Returns the requirement as the solver takes it."""
         limits = {} if self.limits is None else self.limits.bounds()
         counts = self.max_cusps, self.min_cusps
         last = self.degenerate, self.mode_change
-        narrow = self.ignore_windows or 0
-        return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, *last, ignore_windows=narrow)
+        narrow, wide = self.ignore_windows or 0, self.clearance or 0
+        return Requirement(
+            self.fixed_leg, *self.range.ends, *counts, limits, *last, ignore_windows=narrow, clearance=wide
+        )
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
@@ -349,7 +354,8 @@ class CheckRequest(Question):
     change; undecided is not passed. If the requirement is violated, the response is 200 with `passed` false.
 
     With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then
-    has the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
+    has the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`. A change of
+    assembly mode must be possible, or impossible, for every geometry within it, too.
 
     Attributes:
         tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
@@ -371,12 +377,6 @@ class CheckRequest(Question):
     def takes_shared_joints(self) -> bool:
         """It is answered, but not for neighbouring geometries."""
         return self.tolerance is None
-
-    @model_validator(mode="after")
-    def _is_for_one_geometry(self) -> Self:
-        if self.tolerance is not None:
-            self.requirement.to_requirement().of_cusps_alone()
-        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

@@ -184,6 +184,9 @@ def check(request: JobRequest, store: Store, progress: Progress) -> Document:
             request.manipulator, requirement, digits=request.digits, progress=progress
         ).to_json()
     first, second = in_turn(progress)
+    wish = Requirement.from_json(content["requirement"], max_digits=1 << 20)
+    if wish.mode_change is not None:
+        return _with_mode_change(replace(request, content=content), wish, store, (first, second), tolerance)
     report = answer(replace(request, content=content), store, first)
     if not report["passed"]:
         return within_tolerance(report, None, tolerance)
@@ -191,6 +194,26 @@ def check(request: JobRequest, store: Store, progress: Progress) -> Document:
     question = replace(margin_request(request.geometry, asked, tolerance), points=request.points)
     found = answer(question, store, second)
     return within_tolerance(report, found, tolerance)
+
+
+def _with_mode_change(
+    request: JobRequest,
+    wish: Requirement,
+    store: Store,
+    progress: tuple[Progress, Progress],
+    tolerance: Mapping[str, str],
+) -> Document:
+    """A report on changes of assembly mode for all geometries within a tolerance, and on numbers of cusps if
+    these are required, too."""
+    report = rpr_solver.check(
+        request.manipulator, wish, digits=request.digits, tolerance=tolerance, progress=progress[0]
+    )
+    document, counts = report.to_json(), wish.counts_alone()
+    if counts is None:
+        return document
+    content = {**request.content, "requirement": counts.to_json(), "tolerance": tolerance}
+    own = answer(replace(request, content=content), store, progress[1])
+    return {**document, "passed": report.passed and own["passed"], "margin": own["margin"]}
 
 
 def margin_request(geometry: Canonical, asked: Mapping[str, Any], tolerance: Mapping[str, str]) -> JobRequest:

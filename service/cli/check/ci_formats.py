@@ -49,6 +49,7 @@ def _add_case(suite: ElementTree.Element, outcome: Outcome) -> None:
         case.set("line", str(outcome.line))
     near = [("near", outcome.near)] if outcome.near else []
     said = [*near, *outcome.notes.items(), *(("ignored-window", words) for words in outcome.ignored)]
+    said += [("mode-change", words) for words in outcome.witness]
     said += [("degenerate", words) for words in outcome.degenerate]
     if said:
         properties = ElementTree.SubElement(case, "properties")

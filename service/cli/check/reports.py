@@ -139,6 +139,8 @@ class Outcome:
             return ""
         text = f"a change of assembly mode is {found['change']}, and {demand}"
         if found["witness"] is not None:
+            kept = found["witness"]["path"]["clearance"]["proved"]
+            text += f", {short(kept)} degrees off singular poses"
             ends = f"from pose {found['witness']['from']} to pose {found['witness']['to']}"
             return f"{text}; {ends} of {all_legs(found['witness'])}"
         return text if found["reason"] is None else f"{text}: {found['reason']}"
@@ -154,6 +156,15 @@ class Outcome:
         """The windows that are ignored, a line for each."""
         found = self.report.get("ignored_windows", ())
         return [ignored_words(window, self.report["requirement"]["fixed_leg"]) for window in found]
+
+    @property
+    def witness(self) -> list[str]:
+        """How clear the change of assembly mode is that was found, if one was."""
+        found = self.report.get("mode_change")
+        if found is None or found["witness"] is None:
+            return []
+        kept = short(found["witness"]["path"]["clearance"]["proved"])
+        return [f"by a path that keeps at least {kept} degrees off singular poses"]
 
     @property
     def near(self) -> str:
@@ -272,6 +283,7 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
     sections = []
     for outcome in outcomes:
         notes = [f"ignored: {words}" for words in outcome.ignored]
+        notes += [f"mode change: {words}" for words in outcome.witness]
         notes += [f"degenerate: {words}" for words in outcome.degenerate]
         if outcome.passed:
             within = ", within the tolerance too" if outcome.margin else ""
@@ -332,7 +344,9 @@ def _demand(requirement: Mapping[str, Any]) -> str:
     if (change := requirement.get("mode_change")) is not None:
         counts = {**requirement, "mode_change": None}
         also = "" if bounds == dict.fromkeys(bounds) else f"{_demand(counts)}, "
-        return f"{also}change of assembly mode {change}"
+        wide = requirement.get("clearance")
+        off = "" if wide is None else f", {wide} degrees off singular poses"
+        return f"{also}change of assembly mode {change}{off}"
     if requirement["max_cusps"] == requirement["min_cusps"]:
         return f"{requirement['max_cusps']} required"
     demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)
