@@ -48,7 +48,8 @@ def wide_pairs(
     it; for a scaled length of the fixed leg, within limits."""
     grid = SliceGrid(SingularField.of(slice_map, length, 1), _PARTS)
     rooms, unit = grid.rooms, double(grid.field.unit / slice_map.scale)
-    legs = leg_lengths(grid.field, grid.nodes.reshape(-1, 2)).reshape(_PARTS, _PARTS, 2)
+    with np.errstate(all="ignore"):  # a leg of length 0 has no derivative, which is not used
+        legs = leg_lengths(grid.field, grid.nodes.reshape(-1, 2)).reshape(_PARTS, _PARTS, 2)
     inside = np.ones(rooms.shape, dtype=bool)
     for k, leg in enumerate(free_legs(slice_map.fixed_leg)):
         least, most = bounds.get(leg, NO_BOUNDS)

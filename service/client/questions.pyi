@@ -245,6 +245,8 @@ def pose_connections(
     between: tuple[Exact, Exact] | None = None,
     limits: ExactLimits | None = None,
     parts: bool | None = None,
+    clearance: Exact | str | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     digits: int | None = None,
     deadline: float | None = None,
 ) -> Asked[PoseConnections]:
@@ -257,6 +259,8 @@ def assembly_modes(
     fixed_leg: int | None = None,
     between: tuple[Exact, Exact | None] | None = None,
     limits: ExactLimits | None = None,
+    clearance: Exact | str | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     deadline: float | None = None,
 ) -> Asked[AssemblyModes]:
     """Whether the assembly mode can change without a singularity, in a slice or in a range."""
