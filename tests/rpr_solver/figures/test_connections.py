@@ -14,12 +14,14 @@ from rpr_solver.figures.views import figure_of
 from service.cli.main import main
 from tests.rpr_solver.figures.test_layouts import at_every_width
 from tests.support.pictures import GEOMETRY, sheet_of, words
+from tests.support.sampling import sample
 
 
 def document(random: Random, count: int, vectors: int) -> dict[str, Any]:
     """A matrix of random words, symmetric, in which some poses are joined in groups."""
     groups = [random.randrange(4) for _ in range(count)]
-    apart = [word.value for word in Obstacle if word is not Obstacle.TOO_NARROW]
+    of_paths = Obstacle.TOO_NARROW, Obstacle.ILL_CONDITIONED  # which no matrix has
+    apart = [word.value for word in Obstacle if word not in of_paths]
     matrix = [["joined" if a == b else random.choice(apart) for b in groups] for a in groups]
     legs = [{f"l{leg}": f"{random.uniform(1, 1e4):.9g}" for leg in (1, 2, 3)} for _ in range(vectors)]
     angles = "alpha_deg", "theta2_deg"
@@ -45,7 +47,7 @@ def document(random: Random, count: int, vectors: int) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 5, 6, 12])
+@pytest.mark.parametrize("count", sample([0, 1, 2, 5, 6, 12], 0, 4))
 def test_no_label_covers_another_at_any_width(count: int) -> None:
     random = Random(count)
     for vectors in (1, 2) if count > 1 else (1,):
