@@ -176,7 +176,7 @@ def inspect(
             (rule["id"], rule["help"], [node["html"][:200] for node in rule["nodes"]])
             for rule in found["violations"]
         ]
-        assert faults == []
+        assert faults == [], faults
         assert found["passes"]
 
     return inspected
