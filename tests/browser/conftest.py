@@ -154,7 +154,7 @@ def photograph() -> Callable[[Any, str], None]:
     return lambda page, name: page.screenshot(path=folder / f"{name}.png", full_page=True)
 
 
-EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "phone", "refuted"}
+EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "merging", "phone", "refuted"}
 """The states of the page that axe inspects each time; all others with `--long`."""
 
 
