@@ -9,6 +9,8 @@ has asked for before, or of a known geometry at a new length, or at a length who
 The slides are of a manipulator that the service has not seen before, after a second in which the page asks
 ahead. Of how many pictures the slice is the one that the slider names while it is drawn is told, and how much
 later the others come than their length was named.
+
+While the joint vector is dragged, a picture is one of all its poses, which the page computes by itself.
 """
 
 from __future__ import annotations
@@ -46,6 +48,13 @@ WATCH = """() => {
     .observe(document.body, { attributeFilter: ["data-pictures"] });
 }"""
 """Notes each length that the slider names, and each that is drawn, and whether that is the one it names."""
+FOLLOW = """() => {
+  window.drawn = [];
+  const outlines = document.querySelector("#mechanism-board .ghost");
+  const note = () => window.drawn.push(outlines.getAttribute("d"));
+  new MutationObserver(note).observe(outlines, { attributeFilter: ["d"] });
+}"""
+"""Notes the outlines of all poses but one, each time that they are drawn."""
 OPTIONS = ("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking")
 
 
@@ -131,6 +140,24 @@ def dragging(page: Any, stack: Stack) -> str:
     return found
 
 
+def posing(page: Any) -> str:
+    """Returns how the joint vector is dragged through regions with two and with four poses."""
+    point = page.get_by_label("Joint vector")
+    box = point.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.evaluate(FOLLOW)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    start = time.perf_counter()
+    moves = 0
+    while (seconds := time.perf_counter() - start) < SECONDS:
+        page.mouse.move(x + 60 * math.sin(3 * seconds), y + 60 * (math.cos(3 * seconds) - 1))
+        moves += 1
+        time.sleep(max(0.0, start + moves / RATE - time.perf_counter()))
+    page.mouse.up()
+    return f"{len(set(page.evaluate('window.drawn'))) / seconds:.1f} pictures a second"
+
+
 def sliding(page: Any, stack: Stack, key: str) -> tuple[str, Iterable[str]]:
     """Returns how the slider is moved by a key, and the lengths that it names."""
     page.wait_for_selector("#l1-slider:not([disabled])")
@@ -178,6 +205,8 @@ def main() -> None:
         print(f"L1 slides, answers known to the service: {sliding(page, stack, 'ArrowLeft')[0]}")
         print(f"L1 slides back, answers known to the page: {sliding(page, stack, 'ArrowRight')[0]}")
         page, _ = opened(chromium, stack.url)
+        print(f"L2 and L3 are dragged, all poses follow: {posing(page)}")
+        page.locator("#mode-design").check()
         print(f"A3 is dragged, each time a new geometry: {dragging(page, stack)}")
 
 

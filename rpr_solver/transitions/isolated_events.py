@@ -143,7 +143,7 @@ class BallEvent:
 
     def exact(self) -> ExactPose:
         """The same pose in a number field, for equalities that balls cannot prove, such as an angle of 0."""
-        [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
+        [root] = exact_counterparts([self.root], self.system.factors)
         [pose] = located_poses(self.system, root)
         return ExactPose.of(self.system.slice_map, pose)
 
@@ -232,7 +232,7 @@ def _system_events(system: System, name: Namer | None, closing: System) -> Seque
         elif not any(vanishes(system, root, form) for form in (closing.first, closing.second)):
             undecided.append(root)
     if undecided:
-        others += exact_counterparts(undecided, eliminant)
+        others += exact_counterparts(undecided, system.factors)
     places: list[ExactRoot | None] = [*others]
     if system.eliminant.zeros_at_infinity:
         places.append(None)
@@ -249,7 +249,7 @@ def _ordered(found: Iterable[BallEvent]) -> list[BallEvent]:
     return sorted(by_length, key=_direction)
 
 
-def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Landmark]:
+def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Event]:
     if named:
         yield from events_above(system, root)
     else:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from rpr_solver.contract import LEAST_SAMPLES, LEGS, MOST_CUSPS, MOST_POSES, MOST_SAMPLES
 from rpr_solver.verify.conditioning import ALONG
-from rpr_solver.verify.members import Leg
+from rpr_solver.verify.members import IN_GIVEN_FRAME, Leg
 from rpr_solver.verify.numbers import NOT_NEGATIVE, POSITIVE, exact_within, printed
 from rpr_solver.verify.reader import (
     Read,
@@ -38,7 +38,7 @@ _OF_LEGS = record({}, dict.fromkeys(LEGS, POSITIVE))
 _RANGE = record({"from": POSITIVE, "to": POSITIVE})
 _CLEARANCE = record(
     {
-        "asked": lambda value, at: value if value == "best" else POSITIVE(value, at),
+        "asked": lambda value, at: value if value == "best" else NOT_NEGATIVE(value, at),
         "bound": nothing_or(POSITIVE),
         **dict.fromkeys(("proved", "legs"), NOT_NEGATIVE),
         "radius": nothing_or(POSITIVE),
@@ -86,7 +86,10 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
     numbers = dict.fromkeys(("alpha_deg", leg.theta, "determinant"), leg.number)
     lengths = dict.fromkeys(LEGS, leg.positive)
     places = dict.fromkeys(("time", "place"), NOT_NEGATIVE)
-    sample = record({**places, **lengths, **numbers, "clearance_deg": bound}, {"condition": leg.positive})
+    sample = record(
+        {**places, **lengths, **numbers, "clearance_deg": bound},
+        {"condition": leg.positive, **IN_GIVEN_FRAME},
+    )
     angles = ("alpha", leg.theta.removesuffix("_deg"))
     turns = record(dict.fromkeys(angles, count(-_MOST_TURNS, _MOST_TURNS)))
     certificate = record(

@@ -19,7 +19,7 @@ from rpr_solver.verify.conditioning import SCALE, Rates, has_condition
 from rpr_solver.verify.equations import Lengths, Mechanism
 from rpr_solver.verify.finding import Found, poses_of
 from rpr_solver.verify.listed import Matching, Row, degrees
-from rpr_solver.verify.members import Document, Leg
+from rpr_solver.verify.members import IN_GIVEN_FRAME, Document, Leg
 from rpr_solver.verify.numbers import Printed, ball, printed, square_of
 from rpr_solver.verify.reader import (
     Read,
@@ -41,8 +41,6 @@ _THETAS = tuple(f"theta{leg}_deg" for leg in (1, 2, 3))
 
 _CONDITIONS = ("condition", "clearance_deg")
 _BOUND_DIGITS, _CLEARANCE_BITS = 6, 192
-_IN_GIVEN_FRAME: dict[str, Read] = dict.fromkeys(("x", "y", "phi_deg"), no_claim(text()))
-"""What poses have beside if triangles were given by points, which a document does not tell."""
 
 
 def poses_schema(leg: Leg) -> Read:
@@ -56,7 +54,7 @@ def poses_schema(leg: Leg) -> Read:
     curve = {"kind": word("curve"), "alpha_deg": text(), "description": text()}
     asked = {"condition": nothing_or(leg.positive), "clearance_deg": printed(_BOUND_DIGITS, 0)}
     with_condition, without = (
-        rows(record({**pose, **own}, _IN_GIVEN_FRAME), 0, MOST_POSES) for own in (asked, {})
+        rows(record({**pose, **own}, IN_GIVEN_FRAME), 0, MOST_POSES) for own in (asked, {})
     )
     members = {
         **leg.head,

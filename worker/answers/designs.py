@@ -22,13 +22,13 @@ from worker.answers.cost import Sizes, all_events
 from worker.answers.kind import Content, Document, JobRequest, Kind, Store
 
 PLAIN_OPTIONS = (
-    *("decimals", "min_height", "family", "ignore_windows"),
+    *("decimals", "min_height", "family"),
     *("loop", "min_aspects", "max_aspects", "seed"),
 )
 """Members of a question that are options of the search as they are."""
 SHARES = 4
 """Chunks of a job, so that as many workers share a search."""
-_PROOF_SECONDS = 6.0
+_PROOF_SECONDS = 1.6
 _SAMPLE = 0.6
 """Of the cost of a census: what a candidate takes, which needs no aspects, with its share of the search."""
 _PAUSE, _AGAIN = 0.02, 1.0
@@ -149,7 +149,7 @@ def _sample_of(plan: Plan, manipulator: Manipulator) -> JobRequest:
     content: dict[str, Any] = {
         "geometry": manipulator.to_json(),
         "fixed_leg": requirement.fixed_leg,
-        "requirement": requirement.to_json() if requirement.limits else None,
+        "requirement": requirement.ignoring(Fraction(0)).to_json() if requirement.limits else None,
     }
     if constraints.bound_aspects:
         content["aspects"] = True
@@ -176,7 +176,7 @@ def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Documen
 
     asked = request.content["requirement"] or {"min_cusps": 0, "fixed_leg": request.fixed_leg}
     constraints = Constraints(request.content.get("loop"), 1 if request.content.get("aspects") else None)
-    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked, max_digits=1 << 20), Fraction(0), constraints)
+    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked, max_digits=1 << 20), constraints)
     return {"document": examined(request.manipulator, goal)}
 
 

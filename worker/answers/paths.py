@@ -109,7 +109,7 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
         size,
         count=count,
         deviations=count if content.get("motion") or content.get("sampling") else 0,
-        censuses=int(of_poses and not is_limited),
+        censuses=int(of_poses and not is_limited and bool(content.get("between"))),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
         + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0)
         + (_OF_CONDITIONS if "condition" in content else 0),
@@ -152,12 +152,12 @@ def _longest(geometry: Canonical) -> Fraction:
 def _path_cost(size: Sizes) -> float:
     """The slice, the search of the path, its samples, and what the legs deviate between them."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
-    search = 0.05 + 0.001 * size.nearness + size.limited * _SUBDIVISION
+    search = 0.03 + 2e-4 * size.nearness + size.limited * _SUBDIVISION
     deviations = 8e-4 * size.deviations
     return (
         search
         + elimination_at_one(size)
-        + one_slice(size)
+        + one_slice(replace(size, nearness=0))
         + sample * size.count
         + deviations
         + size.censuses * all_events(size)
@@ -178,6 +178,8 @@ PATH = Kind("path", "pa-", path, _path_cost, measure=_measure_path, fewer=_fewer
 _MODES_PAIRS = 1.5
 """Seconds of the proof that no folds meet."""
 _MODES_SLICES = 3
+_WIDE = 3
+"""Times as long as that proof: wide paths, and that there are none."""
 
 
 def assembly_modes(request: JobRequest, _store: Store, _progress: Progress) -> Document:
@@ -193,11 +195,14 @@ def assembly_modes(request: JobRequest, _store: Store, _progress: Progress) -> D
         between=_ends(content, "range"),
         limits=_limits(content),
         fixed_leg=request.fixed_leg,
+        clearance=content.get("clearance"),
+        tolerance=content.get("tolerance"),
     ).to_json()
 
 
 def _measure_modes(content: Content, size: Sizes) -> Sizes:
-    return replace(size, censuses=int("range" in content), limited=int("limits" in content))
+    wide = 0 if content.keys().isdisjoint({"clearance", "tolerance"}) else _WIDE
+    return replace(size, censuses=int("range" in content), limited=int("limits" in content) + wide)
 
 
 def _modes_cost(size: Sizes) -> float:
@@ -230,6 +235,8 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
         to=to and [to[leg] for leg in ("l1", "l2", "l3")],
         between=_ends(content, "between"),
         parts=content.get("parts", False),
+        clearance=content.get("clearance"),
+        tolerance=content.get("tolerance"),
         limits=_limits(content),
         fixed_leg=request.fixed_leg,
         digits=request.digits,
@@ -239,6 +246,7 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
 def _measure_connections(content: Content, size: Sizes) -> Sizes:
     slices = _RANGE_OF_SLICES if "between" in content or "to" in content else 1
     limited = slices if "limits" in content else 0
+    limited += 0 if content.keys().isdisjoint({"clearance", "tolerance"}) else _WIDE * slices
     return replace(size, count=slices, limited=limited + (_PARTS * slices if "parts" in content else 0))
 
 

@@ -359,3 +359,12 @@ def test_what_changes_at_events_is_what_slices_on_both_sides_have(name: str, leg
     ]
     assert proved
     assert all(expected == after for expected, after in proved)
+
+
+def test_sides_of_very_different_sizes_are_refused_at_once() -> None:
+    far = replace(EXAMPLES["innocenti"], a2x=Fraction(10) ** 399)
+    for fixed_leg in (1, 2, 3):
+        with pytest.raises(Unproved, match="1e60"):
+            census(far, fixed_leg=fixed_leg, digits=15)
+    wide = replace(EXAMPLES["innocenti"], a2x=Fraction(10) ** 20)
+    assert len(census(wide, digits=15).transitions) == 20

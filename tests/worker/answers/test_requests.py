@@ -23,6 +23,7 @@ from worker.answers.kind import JobRequest
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
+from worker.answers.workspaces import WORKSPACE
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()
 
@@ -87,6 +88,15 @@ OF_VERSION_2 = {
         ASPECTS,
         {"geometry": GEOMETRY, "fixed_leg": 1, "range": {"from": "27", "to": None}, "digits": 15},
     ),
+    "ws-ed92ed65945312ad01ba9f5faa25d61985ffd23f": JobRequest(
+        WORKSPACE,
+        {
+            "geometry": GEOMETRY,
+            "phi": "30",
+            "limits": {"l1": {"min": "5", "max": "30"}, "l2": {"min": None, "max": "25"}},
+            "digits": 15,
+        },
+    ),
     "pl-401044c46fa64f59b88a1e07a64f589c97e2ef7a": JobRequest(
         PLOT,
         {
@@ -108,7 +118,7 @@ OF_VERSION_2 = {
             "weights": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1"),
         },
     ),
-    "de-920558698ed80fbb60dcd16df501b825b09200f5": JobRequest(
+    "de-8a4dc6fdb82feac3d943824182976c20fb26814c": JobRequest(
         DESIGN,
         {
             "geometry": GEOMETRY,
@@ -127,7 +137,6 @@ OF_VERSION_2 = {
             "family": None,
             "decimals": 2,
             "min_height": None,
-            "ignore_windows": "0",
             "budget": {"censuses": 4},
             "seed": 1,
         },
