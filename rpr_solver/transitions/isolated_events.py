@@ -17,7 +17,7 @@ an angle, L is constant along it. Both kinds of length are events without a pose
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property
@@ -25,7 +25,7 @@ from itertools import pairwise
 from math import lcm
 from typing import Literal
 
-from flint import arb, ctx, fmpz_poly
+from flint import acb, arb, ctx, fmpz_poly
 
 from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.biform import BiForm
@@ -35,8 +35,9 @@ from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.legs import turns
 from rpr_solver.model.bridge import Bridge
-from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, pose_of
+from rpr_solver.model.jets import HalfTangent, LocalMap, common_root, pose_of
 from rpr_solver.model.joint_points import ExactPose, PoseKind
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import (
@@ -277,8 +278,9 @@ def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | No
         kind = change = None
         if name is not None:
             with ctx.workprec(bits):
-                mirrored = _local(system, replace(place, length=-place.length), 2)
-                signs = name(_local(system, place, 4), mirrored)
+                order, other = _ORDERS[name]
+                mirrored = _local(system, replace(place, length=-place.length), other)
+                signs = name(_local(system, place, order), mirrored)
             if signs is None:
                 return None
             kind, sign = signs
@@ -302,15 +304,14 @@ def _located(system: System, root: RealRoot, bits: int) -> Located | None:
         t = common_root(first, second)
         if t is None:
             return None
-        slice_map, omega, one = system.slice_map, omega_ball(system.slice_map.radicand, work), arb(1)
+        slice_map, omega = system.slice_map, omega_ball(system.slice_map.radicand, work)
         bridge = Bridge.of(slice_map)
-        alpha, tip = bridge.alpha(t), bridge.vector(one, v)
+        alpha, tip = bridge.alpha(t), bridge.vector(arb(1), v)
         # J is L (J0 + L J1); with the direction (1, v), which is longer than 1, L is as much shorter
-        plus, minus = (
-            LocalMap.at(slice_map, Pose(*alpha.cos_sin(), *tip, sign, omega), 1).singularity().value
-            for sign in (one, -one)
-        )
-        length = (minus - plus) / (plus + minus)
+        at = turns(acb(*alpha.cos_sin()), acb(*tip))
+        f, g = (leg.waves(omega).turned(*at) for leg in (slice_map.f, slice_map.g))
+        phi, other = f.q + f.d, g.q + g.d
+        length = (f.w * other - phi * g.w) / (f.q * other - phi * g.q)
         if not length.is_finite() or length.contains(0):
             return None
         rho = slice_map.rho
@@ -350,3 +351,7 @@ def _critical(local: LocalMap[arb], mirrored: LocalMap[arb]) -> Signs | None:
         return None
     growth = 3 * j.value + mirrored.singularity().value  # 2L ∂J/∂L
     return PoseKind.LIPS if hessian > 0 else PoseKind.BEAK_TO_BEAK, -hessian * third * growth
+
+
+_ORDERS: Mapping[Namer, tuple[int, int]] = {_swallowtail: (4, 2), _critical: (3, 1)}
+"""Of the jets that are wanted."""
