@@ -20,6 +20,7 @@ import { Poses } from "./poses.js";
 import { censusOf, curvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
 import { lack, showCount } from "./slice.js";
+import { SpaceView } from "./space_view.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { Steps } from "./steps.js";
 import { CuspTable } from "./table.js";
@@ -51,6 +52,15 @@ class Explorer {
     onLimits: (limits) => this.#limit(limits),
     onZoom: (factor) => this.#refine(factor),
   });
+  #space = new SpaceView({
+    onSelect: (index) => this.#select(index),
+    onGo: (l1) => this.#change({ l1, at: null }),
+    onEye: (eye) => {
+      this.state = { ...this.state, eye };
+      this.#steps.amend(hashOf(this.state));
+    },
+    ask: (name, question, told) => this.asking.ask(name, this.state, question, { isLate: true, ...told }),
+  });
   #table = new CuspTable({ onSelect: (index) => this.#select(index) });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #poses = new Poses({ onPick: (vector) => this.#pick(vector), onChoose: (pose) => this.#choosePose({ pose }) });
@@ -69,7 +79,12 @@ class Explorer {
     ask: (...question) => this.#ask(...question),
   });
   #calls = new Calls();
-  #save = new Save();
+  #save = new Save({
+    space: () => {
+      this.#view("space");
+      return this.#space.image();
+    },
+  });
   #steps = new Steps({ onGo: (hash) => this.#go(hash) });
   #pictures = new Pictures(this);
 
@@ -82,6 +97,7 @@ class Explorer {
     this.#joint.drawLimits(this.state.limits);
     on("near-open", "click", () => this.#open(this.#near.spelling));
     this.#settle();
+    this.#space.open(this.state.view === "space");
     for (const radio of document.querySelectorAll("input[name=view]")) on(radio, "change", () => this.#view(radio.value));
   }
 
@@ -155,6 +171,7 @@ class Explorer {
     this.#improve.propose(l1);
     this.#poses.show(this.state.at);
     byId(`view-${view}`).checked = true;
+    this.#fillSpace();
     byId("slice").classList.toggle("stale", !this.isShown);
     if (this.#census !== geometryText(geometry)) byId("census").classList.add("stale");
     if (!this.#mechanism.isHeld && this.#mechanism.isOther(geometry)) this.#draw(); // else it has drawn itself
@@ -250,7 +267,8 @@ class Explorer {
     byId("slice").classList.toggle("stale", !this.isShown);
     byId("slice").classList.remove("late");
     if (curves) lack(state.l1, "");
-    this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    if (!this.#space.isOpen) this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    this.#fillSpace();
     showLegend(legendOf(curves, this.state.view));
     this.#visit(this.#selected);
     if (!this.#mechanism.isHeld) this.#draw();
@@ -266,6 +284,7 @@ class Explorer {
     if (!path) return false;
     this.#motion.show(path);
     this.#joint.drawLoop(this.#motion.samples);
+    this.#fillSpace();
     this.#drawGhosts();
     return true;
   }
@@ -307,6 +326,7 @@ class Explorer {
 
   #drawPoses() {
     this.#joint.drawPoses(this.state.at, this.#poseTable?.poses ?? []);
+    this.#fillSpace();
     this.#draw();
     this.#drawGhosts();
   }
@@ -324,13 +344,15 @@ class Explorer {
     this.#motion.show(null);
     if (!isDrawn) return;
     this.#joint.drawLoop([]);
+    this.#fillSpace();
     this.#drawGhosts();
   }
 
   #move(sample) {
     if (this.state.at) this.#pose(null);
     this.#mechanism.draw(this.state.geometry, sample);
-    this.#joint.mark(sample);
+    if (this.#space.isOpen) this.#fillSpace(sample);
+    else this.#joint.mark(sample);
   }
 
   async #askCensus(state) {
@@ -347,6 +369,7 @@ class Explorer {
     this.state = { ...this.state, limits };
     this.#limits.show(limits, this.#slice?.cusps);
     this.#joint.drawLimits(limits);
+    this.#fillSpace();
     if (limits) this.#limits.draws(false);
     this.#tell();
   }
@@ -356,6 +379,7 @@ class Explorer {
     this.state = { ...this.state, cusp: index };
     this.#tell();
     if (this.isShown) this.#joint.select(index);
+    this.#fillSpace();
     this.#table.select(index);
     this.#visit(index);
     this.#draw();
@@ -380,9 +404,18 @@ class Explorer {
     this.state = { ...this.state, view };
     byId(`view-${view}`).checked = true;
     if (isStep) this.#tell();
-    this.#joint.show(view);
+    this.#space.open(view === "space");
+    if (view !== "space" && this.#slice) this.#joint.draw(this.#slice, this.#curves, view, this.#selected);
+    this.#fillSpace();
     this.#joint.drawPoses(this.state.at, this.#poseTable?.poses ?? []);
     showLegend(legendOf(this.#curves, view));
+  }
+
+  /** Tells the picture in three dimensions what there is to see. */
+  #fillSpace(here = null) {
+    const { geometry, l1, limits, at, eye } = this.state;
+    const isShown = Boolean(this.isShown && this.#curves);
+    this.#space.set({ geometry, l1, limits, at, eye, here, isShown, slice: this.#slice, curves: this.#curves, selected: this.#selected, path: this.#motion.samples });
   }
 
   #draw() {

@@ -45,6 +45,11 @@ export class Steps {
     this.#show();
   }
 
+  /** Takes an address that differs by what is no step, such as from where something is seen. */
+  amend(hash) {
+    this.#write("replaceState", this.#at, hash);
+  }
+
   #write(method, step, hash = location.hash) {
     history[method]({ step }, "", hash);
     this.#top = method === "pushState" ? step : Math.max(this.#top, step);
