@@ -67,6 +67,7 @@ export class Legs {
     this.jLength = (s * px - c * py) * g - f * (s * qx - c * qy);
     [this.fAlpha, this.gAlpha, this.fTheta, this.gTheta, this.f, this.g] = [fAlpha, gAlpha, length * f, length * g, f, g];
     const [x, y, z, w] = [length * c + fx, length * s + fy, length * c + gx, length * s + gy];
+    this.ends = [x, y, z, w]; // of the free legs, from their base points
     [this.one, this.two] = [Math.sqrt(x * x + y * y), Math.sqrt(z * z + w * w)]; // the lengths of the free legs
     [this.oneAlong, this.twoAlong] = [x * c + y * s, z * c + w * s]; // times their slopes in L
     [this.alpha, this.theta, this.length] = [alpha, theta, length];
@@ -88,14 +89,23 @@ export class Legs {
     return this.#placed(this.length, this.one, this.two);
   }
 
-  /** The normal of the singular surface in (L1, L2, L3): forces of the legs that balance. */
+  /** The normal of the singular surface in (L1, L2, L3), forces of the legs that balance: to the side that has two poses more. */
   get normal() {
     const { one, two, fAlpha, gAlpha, f, g, size } = this;
     const isTurn = fAlpha * fAlpha + gAlpha * gAlpha > size * size * (f * f + g * g);
     const [x, y] = isTurn ? [gAlpha, -fAlpha] : [size * g, -size * f];
+    const sign = x * this.#curved(this.px, this.py, this.ax, this.ay) + y * this.#curved(this.qx, this.qy, this.bx, this.by) < 0 ? -1 : 1;
     const force = this.#placed(-x * this.oneAlong - y * this.twoAlong, x * one, y * two);
-    const whole = Math.hypot(...force) || 1;
+    const whole = sign * Math.hypot(...force) || 1;
     return force.map((part) => part / whole);
+  }
+
+  /** The second derivative along the kernel of half a squared length. */
+  #curved(px, py, ax, ay) {
+    const [u, v] = this.kernel;
+    const [x, y] = [this.length * this.c, this.length * this.s];
+    const cross = x * px + y * py;
+    return u * u * (ax * px + ay * py - cross) + 2 * u * v * cross + v * v * (ax * x + ay * y - cross);
   }
 
   #placed(...values) {
@@ -119,10 +129,19 @@ export class Legs {
 
   /** Moves a pose onto J = E = 0 as well; tells whether one was near. */
   ontoEdge(alpha, theta, length, isHeld = false) {
-    const start = [alpha, theta, length];
-    let at = start;
+    return this.#onto([alpha, theta, length], (pose) => this.#edge(pose, isHeld));
+  }
+
+  /** Moves a pose to where a free leg closes, the first or the second; tells whether one was near. */
+  ontoClosed(second, alpha, theta, length, isHeld = false) {
+    return this.#onto([alpha, theta, length], (pose) => this.#closed(second, pose, isHeld));
+  }
+
+  /** Moves a pose onto two zeros by the shortest way: `zeros(pose)` has the values and their slopes. */
+  #onto(pose, zeros) {
+    let at = pose;
     for (let k = 0; k < 8; k += 1) {
-      const { values: [j, e], rows: [p, q] } = this.#edge(at, isHeld);
+      const { values: [j, e], rows: [p, q] } = zeros(at);
       const [pp, pq, qq] = [dot(p, p), dot(p, q), dot(q, q)];
       const area = pp * qq - pq * pq;
       if (!(area > 1e-18 * pp * qq)) return false;
@@ -132,7 +151,7 @@ export class Legs {
       if (Math.hypot(...by) < NEAR) break;
     }
     this.at(...at);
-    return Math.hypot(at[0] - alpha, at[1] - theta, (at[2] - length) / this.size) < FAR;
+    return Math.hypot(at[0] - pose[0], at[1] - pose[1], (at[2] - pose[2]) / this.size) < FAR;
   }
 
   /** The direction of the curve J = E = 0, lengths over the size of the manipulator. */
@@ -158,6 +177,15 @@ export class Legs {
       return ((high - low) / (2 * step)) * (k === 2 ? rise : 1);
     });
     return { values, rows: [slope, eSlope] };
+  }
+
+  /** The end of a free leg, and its slopes. */
+  #closed(second, pose, isHeld) {
+    this.at(...pose);
+    const [x, y] = second ? [this.qx, this.qy] : [this.px, this.py];
+    const rise = isHeld ? 0 : this.size;
+    const rows = [[-y, -this.length * this.s, this.c * rise], [x, this.length * this.c, this.s * rise]];
+    return { values: this.ends.slice(second ? 2 : 0, second ? 4 : 2), rows };
   }
 }
 

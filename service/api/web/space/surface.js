@@ -1,6 +1,6 @@
 /**
  * The singular surface of a manipulator as a mesh: J = 0 on a grid of α, θ and the length of the fixed leg, mapped to the
- * lengths of all legs. It is cut along its cusp curves into sheets, and finer where chords would leave it.
+ * lengths of all legs. It has sides along its cusp curves and where legs close, and is finer where chords would leave it.
  */
 
 import { Legs } from "./legs.js";
@@ -9,14 +9,15 @@ export const GRID = [64, 64, 48]; // cells of α, θ and the length
 const SHIFT = 0.37; // of the grid by a cell: symmetric machines are singular at round angles
 const ROOTS = 3; // steps to a zero of J on a side of a cell
 const PASSES = 3;
+const [INNER, CUSP, FIRST, SECOND] = [0, 1, 2, 3]; // kinds of vertices: on a cusp curve, or where a free leg closes
 const FINE = 0.001; // how far chords may leave the surface, over the size of the box
 const TURN = 2 * Math.PI;
 const FACES = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]; // corners of a cell, in turn; bits are axes
 
 /**
  * The mesh for lengths of the fixed leg from 0 to `reach`:
- * `{positions, normals, sheets, index, parts, low, high}`; each vertex has its place (L1, L2, L3), its normal and the
- * number of its sheet; there are so many `parts`, and all lies between the corners `low` and `high`.
+ * `{positions, normals, index, low, high}`; each vertex has its place (L1, L2, L3) and its normal, which points to where
+ * there are two poses more, and all lies between the corners `low` and `high`.
  */
 export function surfaceOf(triangles, leg, reach, grid = GRID) {
   const mesh = new Mesh(new Legs(triangles, leg), reach);
@@ -33,7 +34,8 @@ class Mesh {
   #places = []; // L1, L2, L3
   #normals = [];
   #kernels = []; // dα, dθ, and the slope of J along it
-  #isEdge = []; // whether a vertex is on a cusp curve
+  #ends = []; // of the free legs
+  #kinds = []; // INNER, CUSP, FIRST or SECOND
   #triangles = [];
 
   constructor(legs, reach) {
@@ -41,13 +43,14 @@ class Mesh {
   }
 
   /** Adds the pose that the legs have looked at. */
-  #add(isEdge = false) {
-    const { alpha, theta, length, kernel, jAlpha, jTheta } = this.#legs;
+  #add(kind = INNER) {
+    const { ends, alpha, theta, length, kernel, jAlpha, jTheta } = this.#legs;
     this.#poses.push(alpha, theta, length);
     this.#places.push(...this.#legs.joints);
     this.#normals.push(...this.#legs.normal);
     this.#kernels.push(...kernel, kernel[0] * jAlpha + kernel[1] * jTheta);
-    return this.#isEdge.push(isEdge) - 1;
+    this.#ends.push(...ends);
+    return this.#kinds.push(kind) - 1;
   }
 
   /** Marching cubes: the sides of a cell on which J changes its sign are joined across its faces. */
@@ -95,50 +98,75 @@ class Mesh {
     }
   }
 
-  /** Puts vertices where sides cross the cusp curves. */
+  /** Puts vertices where sides cross the cusp curves, and where legs close. */
   cut() {
     const kernels = this.#kernels;
     this.#split((p, q) => {
+      const closed = this.#closing(p, q);
+      if (closed) return this.#added(closed.kind, this.#between(p, q, closed.share), this.#isHeld(p, q), true);
       const [u, v, c, x, y, d] = [kernels[3 * p], kernels[3 * p + 1], kernels[3 * p + 2], kernels[3 * q], kernels[3 * q + 1], kernels[3 * q + 2]];
       const other = u * x + v * y < 0 ? -d : d; // along the same way
-      if (c * other >= 0) return -1;
-      const isNear = this.#legs.ontoEdge(...this.#between(p, q, c / (c - other)), this.#isHeld(p, q));
-      return isNear && this.#isWithin() ? this.#add(true) : -1;
+      return c * other < 0 ? this.#added(CUSP, this.#between(p, q, c / (c - other)), this.#isHeld(p, q), true) : -1;
     });
+  }
+
+  /** Which free leg closes on a side, and where; null if none does. */
+  #closing(p, q) {
+    const ends = this.#ends;
+    for (const [kind, at] of [[FIRST, 0], [SECOND, 2]]) {
+      const [x, y, u, v] = [ends[4 * p + at], ends[4 * p + at + 1], ends[4 * q + at], ends[4 * q + at + 1]];
+      const away = Math.abs(x * v - y * u); // of the side from the base point, times its length
+      if (x * u + y * v < 0 && away < 0.2 * ((x - u) ** 2 + (y - v) ** 2)) return { kind, share: Math.hypot(x, y) / (Math.hypot(x, y) + Math.hypot(u, v)) };
+    }
+    return null;
+  }
+
+  /** Adds the vertex of a kind that is nearest to a pose; or if none is, nothing, or one on the surface. */
+  #added(kind, pose, isHeld, isStrict = false) {
+    const legs = this.#legs;
+    const isFound = kind === INNER ? false : kind === CUSP ? legs.ontoEdge(...pose, isHeld) : legs.ontoClosed(kind === SECOND, ...pose, isHeld);
+    if (!isFound && isStrict) return -1;
+    if (!isFound) legs.ontoSurface(...pose, isHeld);
+    return legs.length >= 0 && legs.length <= this.#reach ? this.#add(isFound ? kind : INNER) : -1;
   }
 
   /** Halves sides that leave the surface, some times. */
   refine() {
-    const [legs, places, normals, isEdge, most] = [this.#legs, this.#places, this.#normals, this.#isEdge, FINE * this.#size()];
+    const [legs, places, normals, kinds, most] = [this.#legs, this.#places, this.#normals, this.#kinds, FINE * this.#size()];
     for (let pass = 0; pass < PASSES; pass += 1) {
-      const count = isEdge.length;
+      const count = kinds.length;
       this.#split((p, q) => {
-        const onEdge = isEdge[p] && isEdge[q];
+        const kind = kinds[p] === kinds[q] ? kinds[p] : INNER;
         let [one, other] = [0, 0]; // the side along both normals: an arc rises by about an eighth of their sum
         for (let k = 0; k < 3; k += 1) {
           const by = places[3 * q + k] - places[3 * p + k];
           one += by * normals[3 * p + k];
           other += by * normals[3 * q + k];
         }
-        const isBent = Math.abs(one) + Math.abs(other) > 8 * most;
-        if (!isBent && !onEdge) return -1;
-        const [middle, held] = [this.#between(p, q, 0.5), this.#isHeld(p, q)];
-        if (!(onEdge && legs.ontoEdge(...middle, held))) legs.ontoSurface(...middle, held);
-        if (!this.#isWithin()) return -1;
+        if (kinds[p] >= FIRST) one = 0; // there it has no normal
+        if (kinds[q] >= FIRST) other = 0;
+        if (kind === INNER && Math.abs(one) + Math.abs(other) <= 8 * most) return -1;
+        const added = this.#added(kind, this.#between(p, q, 0.5), this.#isHeld(p, q));
+        if (added < 0) return -1;
         const far = Math.hypot(...legs.joints.map((x, k) => x - (places[3 * p + k] + places[3 * q + k]) / 2));
-        return far > most ? this.#add(onEdge) : -1;
+        if (far > most) return added;
+        this.#drop();
+        return -1;
       });
-      if (isEdge.length === count) break;
+      if (kinds.length === count) break;
     }
+  }
+
+  /** Takes the last vertex back. */
+  #drop() {
+    this.#kinds.length -= 1;
+    for (const list of [this.#poses, this.#places, this.#normals, this.#kernels]) list.length -= 3;
+    this.#ends.length -= 4;
   }
 
   #size() {
     const { high } = boxOf(this.#places);
     return Math.hypot(...high);
-  }
-
-  #isWithin() {
-    return this.#legs.length >= 0 && this.#legs.length <= this.#reach;
   }
 
   /** Whether both ends are in the same plane at the bottom or the top. */
@@ -180,49 +208,31 @@ class Mesh {
     this.#triangles = after;
   }
 
-  /** Numbers the sheets, which share only vertices on cusp curves: those are doubled. */
+  /** The finished mesh. On cusp curves a vertex has two normals, that of its neighbours and the opposite one; where a leg closes, theirs. */
   finish() {
-    const [triangles, isEdge, places, normals] = [this.#triangles, this.#isEdge, this.#places, this.#normals];
-    const parents = Int32Array.from(isEdge, (_, k) => k);
-    const root = (k) => {
-      while (parents[k] !== k) k = parents[k] = parents[parents[k]];
-      return k;
-    };
-    const inner = (k) => [triangles[k], triangles[k + 1], triangles[k + 2]].filter((vertex) => !isEdge[vertex]);
-    for (let k = 0; k < triangles.length; k += 3) {
-      const [first, ...others] = inner(k);
-      for (const vertex of others) parents[root(vertex)] = root(first);
-    }
-    const roots = Int32Array.from({ length: triangles.length / 3 }, (_, t) => {
-      const [first] = inner(3 * t);
-      return first === undefined ? -1 : root(first);
-    });
-    const sizes = new Map();
-    for (const name of roots) sizes.set(name, (sizes.get(name) ?? 0) + 1);
-    sizes.delete(-1);
-    const order = new Map([...sizes].sort((one, other) => other[1] - one[1]).map(([name], k) => [name, k]));
-    const out = { positions: [], normals: [], sheets: [], index: new Uint32Array(triangles.length) };
-    const copies = new Map(); // of a vertex, by sheet
-    triangles.forEach((vertex, k) => {
-      const sheet = order.get(roots[Math.floor(k / 3)]) ?? 0;
-      const name = isEdge[vertex] ? (sheet + 1) * 2 ** 26 + vertex : vertex;
-      let copy = copies.get(name);
-      if (copy === undefined) {
-        copies.set(name, (copy = out.sheets.length));
-        out.sheets.push(sheet);
-        out.positions.push(places[3 * vertex], places[3 * vertex + 1], places[3 * vertex + 2]);
-        out.normals.push(normals[3 * vertex], normals[3 * vertex + 1], normals[3 * vertex + 2]);
+    const [triangles, kinds, places, normals] = [this.#triangles, this.#kinds, this.#places, this.#normals];
+    const out = { positions: [], normals: [], index: new Uint32Array(triangles.length) };
+    const copies = new Map();
+    const along = (p, q) => normals[3 * p] * normals[3 * q] + normals[3 * p + 1] * normals[3 * q + 1] + normals[3 * p + 2] * normals[3 * q + 2];
+    const push = (vertex, from, sign) => {
+      for (let i = 0; i < 3; i += 1) {
+        out.positions.push(places[3 * vertex + i]);
+        out.normals.push(sign * normals[3 * from + i]);
       }
-      out.index[k] = copy;
-    });
-    return {
-      positions: new Float32Array(out.positions),
-      normals: new Float32Array(out.normals),
-      sheets: new Uint8Array(out.sheets),
-      index: out.index,
-      parts: order.size,
-      ...boxOf(places),
+      return out.positions.length / 3 - 1;
     };
+    for (let k = 0; k < triangles.length; k += 3) {
+      const corners = [triangles[k], triangles[k + 1], triangles[k + 2]];
+      const inner = corners.find((vertex) => kinds[vertex] === INNER) ?? corners.find((vertex) => kinds[vertex] === CUSP) ?? corners[0];
+      corners.forEach((vertex, n) => {
+        if (kinds[vertex] >= FIRST) return void (out.index[k + n] = push(vertex, inner, 1));
+        const sign = kinds[vertex] === CUSP && along(vertex, inner) < 0 ? -1 : 1;
+        const name = sign * (vertex + 1);
+        if (!copies.has(name)) copies.set(name, push(vertex, vertex, sign));
+        out.index[k + n] = copies.get(name);
+      });
+    }
+    return { positions: new Float32Array(out.positions), normals: new Float32Array(out.normals), index: out.index, ...boxOf(places) };
   }
 }
 
