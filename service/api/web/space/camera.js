@@ -4,9 +4,10 @@
  */
 
 const DEGREES = Math.PI / 180;
-const FAR = 6; // of the eye, over half the diagonal of the box
+export const FAR = 6; // of the eye, over half the diagonal of the box
 const DEEP = 0.3; // of depths
-const FULL = 0.93; // of the width or the height: beside it are the numbers of the axes
+const MARGINS = [38, 30]; // pixels beside and above, where the axes have their numbers
+const CLOSER = 1.12; // by which what is near looks larger
 const STEEPEST = 89;
 const [LEAST, MOST] = [0.3, 400]; // magnification
 export const START = { yaw: -37, pitch: 22 };
@@ -18,12 +19,15 @@ export class Camera {
   target = [0, 0, 0]; // from the middle of the box, over half of its diagonal
   #middle = [0, 0, 0];
   #half = 1;
+  #reach = [1, 1]; // of the box sideways, and upwards, over half its diagonal
   #size = [1, 1];
 
   /** Takes the corners of the box, (L1, L2, L3). */
   frame(low, high) {
     this.#middle = low.map((x, k) => (x + high[k]) / 2);
-    this.#half = Math.hypot(...low.map((x, k) => high[k] - x)) / 2 || 1;
+    const [tall, ...wide] = low.map((x, k) => (high[k] - x) / 2);
+    this.#half = Math.hypot(tall, ...wide) || 1;
+    this.#reach = [Math.hypot(...wide) / this.#half, tall / this.#half];
   }
 
   resize(width, height) {
@@ -40,9 +44,12 @@ export class Camera {
     return [[0, c, s], [p, -s * q, c * q], [q, s * p, -c * p]];
   }
 
-  /** Pixels of half the diagonal of the box. */
+  /** Pixels of half the diagonal of the box: it has room however it is turned sideways. */
   get scale() {
-    return FULL * 0.5 * Math.min(...this.#size) * this.zoom;
+    const [wide, tall] = this.#reach;
+    const pitch = Math.abs(this.pitch) * DEGREES;
+    const needs = [wide, tall * Math.cos(pitch) + wide * Math.sin(pitch)];
+    return (Math.min(...this.#size.map((pixels, k) => Math.max(pixels - 2 * MARGINS[k], pixels / 2) / (2 * needs[k]))) / CLOSER) * this.zoom;
   }
 
   /** Pixels of a unit of length, in the middle. */

@@ -8,6 +8,7 @@ export class CanvasDrawing {
   #context;
   #size = [1, 1];
   #density = 1;
+  #bold = 1;
   #colours = null;
   #lines = new Map();
   #marks = [];
@@ -19,9 +20,9 @@ export class CanvasDrawing {
     [this.#canvas, this.#context] = [canvas, canvas.getContext("2d")];
   }
 
-  resize(width, height, density) {
+  resize(width, height, density, bold) {
     [this.#canvas.width, this.#canvas.height] = [Math.round(width * density), Math.round(height * density)];
-    [this.#size, this.#density] = [[width, height], density];
+    [this.#size, this.#density, this.#bold] = [[width, height], density, bold];
   }
 
   colours(colours) {
@@ -77,7 +78,7 @@ export class CanvasDrawing {
         this.#context.beginPath();
         points.forEach((place, k) => this.#context[k ? "lineTo" : "moveTo"](...seen(place).slice(0, 2)));
         this.#context.strokeStyle = css(colour, 1);
-        this.#context.lineWidth = width;
+        this.#context.lineWidth = width * this.#bold;
         this.#context.stroke();
       }
     }
@@ -122,7 +123,7 @@ export class CanvasDrawing {
 
   #mark({ colour, form, size }, [x, y]) {
     const context = this.#context;
-    const r = size / 2;
+    const r = (size / 2) * this.#bold;
     const polygon = [null, [[0, -1.15], [1.15, 0], [0, 1.15], [-1.15, 0]], [[-0.8, -0.8], [0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]], [[-1, 0.6], [1, 0.6], [0, -1.1]]][form];
     context.beginPath();
     if (polygon) polygon.forEach(([u, v], k) => context[k ? "lineTo" : "moveTo"](x + r * u, y + r * v));

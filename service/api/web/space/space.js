@@ -29,6 +29,7 @@ const STEPS = 500; // of the slider of another leg
 const NEAR = 0.01; // of the box, within which a cusp is on an edge
 const CONTOURS = 9; // of the surface
 const ALPHAS = { light: [0.3, 0.72], dark: [0.34, 0.7] };
+const [WHOLE, LEAST] = [380, 0.55]; // pixels of a picture whose lines are as bold as can be; and how bold they are at least
 const LOW = 0.25; // times the greatest length of a leg: shortest ones below it begin at 0
 const SCALE = 2; // pixels of a saved picture by one of the page
 const [CUSP, EVENT, HERE] = [9, 11, 14]; // sizes of marks in pixels
@@ -376,8 +377,8 @@ export class Space {
       { name: "pose-point chosen", as: "mark", text: "joint vector", if: Boolean(at) },
       { name: "limits", as: "area", text: "joint limits", if: Boolean(limits) },
     ], "space-marks");
-    const edges = this.#fault ? `No cusp curves: ${this.#fault}.` : this.#document ? "Exact: cusp curves, their ends, the slice." : "Cusp curves are being computed …";
-    write("space-note", `${edges} From a grid, ${GRID.join(" × ")}: the surface.`);
+    const edges = this.#fault ? `No cusp curves: ${this.#fault}.` : this.#document ? "Exact: curves, marks, slice." : "Cusp curves come …";
+    write("space-note", `${edges} By a grid of ${GRID.join(" × ")}: the surface.`);
   }
 
   #pick(x, y, reach) {
@@ -456,8 +457,13 @@ export class Space {
     const { clientWidth: width, clientHeight: height } = this.#nodes.board;
     if (!width || !height) return;
     this.#camera.resize(width, height);
-    this.#drawing.resize(width, height, this.#drawing.isSoftware && this.#drawing === this.#webGl ? 1 : Math.min(devicePixelRatio, 2));
+    this.#size(this.#drawing === this.#webGl && this.#webGl.isSoftware ? 1 : Math.min(devicePixelRatio, 2));
     this.#later();
+  }
+
+  #size(density) {
+    const { clientWidth: width, clientHeight: height } = this.#nodes.board;
+    this.#drawing.resize(width, height, density, Math.min(Math.max(Math.min(width, height) / WHOLE, LEAST), 1));
   }
 
   #later() {
@@ -499,7 +505,7 @@ export class Space {
     await this.#ready;
     const { board, canvas: own, flat } = this.#nodes;
     const [width, height] = [board.clientWidth, board.clientHeight];
-    this.#drawing.resize(width, height, SCALE);
+    this.#size(SCALE);
     this.#render();
     const canvas = make("canvas", { width: SCALE * width, height: SCALE * height });
     const context = canvas.getContext("2d");

@@ -1,6 +1,7 @@
 /** What is seen of the joint space, drawn by WebGL: lines and marks, the translucent surface, and the plane of a slice. */
 
 import * as THREE from "../three/three.min.mjs";
+import { FAR } from "./camera.js";
 
 const BUCKETS = 4096; // of depths
 const THROUGH = 0.45; // of lines behind the surface
@@ -158,11 +159,12 @@ export class WebGlDrawing {
     return /swiftshader|llvmpipe|software/i.test(info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "");
   }
 
-  resize(width, height, density) {
+  /** Takes the size in pixels of the page, how many pixels of the picture are one of those, and how bold lines and marks are. */
+  resize(width, height, density, bold) {
     this.#renderer.setPixelRatio(density);
     this.#renderer.setSize(width, height, false);
     this.#shared.middle.value = [(width * density) / 2, (height * density) / 2];
-    this.#shared.density.value = density;
+    this.#shared.density.value = density * bold;
   }
 
   /** Takes colours by name, each [red, green, blue] up to 1, and how opaque the surface is: seen from before, and along it. */
@@ -263,8 +265,8 @@ export class WebGlDrawing {
     const [right, up, eye] = camera.axes;
     this.#shared.clip.value = camera.matrix;
     this.#shared.turned.value = [0, 1, 2].flatMap((k) => [right[k], up[k], eye[k]]);
-    const [width, height] = this.#shared.middle.value.map((x) => x / this.#shared.density.value / camera.scale);
-    this.#shared.eye.value = [width, height, 6, 0];
+    const [width, height] = this.#shared.middle.value.map((x) => x / this.#renderer.getPixelRatio() / camera.scale);
+    this.#shared.eye.value = [width, height, FAR, 0];
     this.#shared.fixedLeg.value = [0, 1, 2].map((k) => (k === axis ? 1 : 0));
     this.#shared.spacing.value = spacing;
     const side = eye[axis] > 0 ? 1 : -1; // on which the eye is
