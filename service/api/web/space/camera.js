@@ -6,8 +6,8 @@
 const DEGREES = Math.PI / 180;
 export const FAR = 6; // of the eye, over half the diagonal of the box
 const DEEP = 0.3; // of depths
-const MARGINS = [38, 30]; // pixels beside and above, where the axes have their numbers
-const CLOSER = 1.12; // by which what is near looks larger
+const MARGINS = [34, 26]; // pixels beside and above, where the axes have their numbers
+const CLOSER = 1.05; // by which what is near looks larger
 const STEEPEST = 89;
 const [LEAST, MOST] = [0.3, 400]; // magnification
 export const START = { yaw: -37, pitch: 22 };

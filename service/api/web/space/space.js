@@ -29,7 +29,7 @@ const STEPS = 500; // of the slider of another leg
 const NEAR = 0.01; // of the box, within which a cusp is on an edge
 const CONTOURS = 9; // of the surface
 const ALPHAS = { light: [0.3, 0.72], dark: [0.34, 0.7] };
-const [WHOLE, LEAST] = [380, 0.55]; // pixels of a picture whose lines are as bold as can be; and how bold they are at least
+const [WHOLE, LEAST] = [340, 0.65]; // pixels of a picture whose lines are as bold as can be; and how bold they are at least
 const LOW = 0.25; // times the greatest length of a leg: shortest ones below it begin at 0
 const SCALE = 2; // pixels of a saved picture by one of the page
 const [CUSP, EVENT, HERE] = [9, 11, 14]; // sizes of marks in pixels
@@ -363,10 +363,12 @@ export class Space {
   #explain() {
     const kinds = new Set(this.#events.map(({ kind }) => kind));
     const { path = [], limits, isShown, slice, at } = this.#shown;
+    const [hasSurface, isFlat] = [Boolean(this.#surface), this.#drawing === this.#flat];
     const modes = new Set((this.#curves?.regions ?? []).filter(({ bounded }) => bounded).map(({ poses }) => poses));
     showLegend([
-      { name: "space-more", text: "surface, the side with more poses", if: Boolean(this.#surface) },
-      { name: "space-fewer", text: "with fewer", if: Boolean(this.#surface) },
+      { name: "space-more", text: "surface, the side with more poses", if: hasSurface && !isFlat },
+      { name: "space-fewer", text: "with fewer", if: hasSurface && !isFlat },
+      { name: "space-contour", as: "line", text: "contours of the surface", if: hasSurface && isFlat },
       { name: "space-edge", as: "line", text: "cusp curve", if: this.#edges.length > 0 },
       ...Object.entries(SHAPES).map(([kind, d]) => ({ name: "space-event", as: "path", d, text: kind, if: kinds.has(kind) })),
       { name: "space-event", as: "mark", text: "other degenerate pose", if: [...kinds].some((kind) => !(kind in SHAPES)) },

@@ -4,7 +4,7 @@ import * as THREE from "../three/three.min.mjs";
 import { FAR } from "./camera.js";
 
 const BUCKETS = 4096; // of depths
-const THROUGH = 0.45; // of lines behind the surface
+const THROUGH = 0.65; // of lines behind the surface
 const TURNED = 0.9995; // cosine of the angle after which triangles are sorted anew
 
 const LINES = {
