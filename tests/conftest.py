@@ -36,6 +36,12 @@ EXPENSIVE = {
 """Directories and files that the quick run leaves out, but for tests marked `quick`; it also leaves out all
 tests with real processes."""
 
+NIGHTLY = {
+    *("test_docker", "test_kubernetes", "test_monitoring", "test_glossary", "test_wheel", "test_dependencies"),
+    *("test_examples", "test_release", "containers"),
+}
+"""Directories and files about packaging and operation, which run with `--long`: each night, and for a release."""
+
 SLOW = [HealthCheck.too_slow]
 settings.register_profile("ci", deadline=None, max_examples=25, derandomize=True, suppress_health_check=SLOW)
 settings.register_profile("more", settings.get_profile("ci"), max_examples=100)
@@ -120,21 +126,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        if not NIGHTLY.isdisjoint({*item.path.parts, item.path.stem}):
+            item.add_marker(pytest.mark.long)
     if not config.getoption("--long"):  # left out, rather than skipped, which costs 4 ms each
         config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("long")])
         items[:] = [item for item in items if not item.get_closest_marker("long")]
     for item in items:
         if item.get_closest_marker("long") and item.get_closest_marker("timeout") is None:
             item.add_marker(pytest.mark.timeout(0))
-        if uses_processes(item):
-            item.add_marker(pytest.mark.flaky(reruns=1))
         is_expensive = not EXPENSIVE.isdisjoint({*item.path.parts, item.path.stem})
         if (is_expensive or uses_processes(item)) and item.get_closest_marker("quick") is None:
             item.add_marker(pytest.mark.slow)
 
 
 def uses_processes(item: pytest.Item) -> bool:
-    """Whether a test depends on when the system lets other processes run; it may fail once."""
+    """Whether a test depends on when the system lets other processes run."""
     return not {"faults", "integration", "stack", "process", "browser"}.isdisjoint(item.path.parts) or (
         "valkey" in getattr(item, "fixturenames", ())
     )

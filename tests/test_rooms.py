@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from radon.visitors import Class, ComplexityVisitor
-
 ROOT = Path(__file__).parents[1]
 
 SOLVER = "rpr_solver"
@@ -82,17 +80,6 @@ FORBIDDEN = {
     "socket",
 }
 """What ``rpr_solver`` never imports: no Redis, no web, no clock."""
-
-COMPLEXITY = 15
-"""As radon counts it; A and B are up to 10."""
-
-INTRICATE = (
-    "rpr_solver.verify.branches",
-    "rpr_solver.verify.checks",
-    "rpr_solver.verify.events",
-    "rpr_solver.verify.slabs",
-)
-"""Where a function may be more complex: it follows the cases of a proof one by one."""
 
 
 def modules() -> Iterator[tuple[str, Path]]:
@@ -191,17 +178,6 @@ def test_the_verifier_uses_balls_and_the_standard_library_alone() -> None:
     assert {module: names for module, names in others.items() if names} == {}
 
 
-def test_no_function_has_too_many_branches() -> None:
-    beyond = [
-        f"{module}.{block.name} has complexity {block.complexity}"
-        for module, path in FILES.items()
-        if not module.startswith(INTRICATE)
-        for block in ComplexityVisitor.from_ast(tree_of(path)).blocks
-        if not isinstance(block, Class) and block.complexity > COMPLEXITY
-    ]
-    assert beyond == []
-
-
 def test_no_module_of_the_solver_hides_behind_an_exported_name() -> None:
     import rpr_solver
 
@@ -209,29 +185,9 @@ def test_no_module_of_the_solver_hides_behind_an_exported_name() -> None:
     assert not own & set(rpr_solver.__all__)
 
 
-def test_every_error_of_the_service_is_in_its_tree() -> None:
-    import service
-
-    tree = dict(re.findall(r"^[│ ]*[├└]── (\w+) +(\S.*)$", service.__doc__ or "", re.MULTILINE))
-    for module, path in FILES.items():
-        for name in re.findall(r"^class (\w+Error)\((?!Model\b)", path.read_text(), re.MULTILINE):
-            if not module.startswith(SOLVER):
-                assert module.removeprefix("service.") in tree[name]
-
-
-def test_the_map_of_the_house_shows_every_room_and_no_module_that_is_gone() -> None:
+def test_the_map_of_the_house_shows_every_room() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    sections = re.split(r"^## ", text, flags=re.MULTILINE)
     for package in ("rpr_solver", "worker", "service"):
-        [section] = [part for part in sections if part.startswith(f"`{package}`")]
-        rows = dict(re.findall(r"^\| `(\w+)` \|[^|]*\|([^|]*)\|$", section, flags=re.MULTILINE))
+        [section] = re.findall(rf"^## `{package}`(.*?)(?=^## )", text, re.MULTILINE | re.DOTALL)
         folders = {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
-        assert folders <= rows.keys() <= folders | {path.stem for path in (ROOT / package).glob("*.py")}
-        above: set[str] = set()
-        for room, modules in rows.items():
-            prefix = "" if package == SOLVER else f"{package}."
-            others = {name.removeprefix(prefix) for name in MAY_IMPORT[f"{package}.{room}"].split()}
-            assert others & rows.keys() <= above, f"{room} imports from rows below"
-            above.add(room)
-            named = set(re.findall(r"\b[a-z]+_[a-z_]+\b", modules))
-            assert named <= {path.stem for path in (ROOT / package / room).rglob("*.py")}, room
+        assert folders <= set(re.findall(r"`(\w+)`", section))

@@ -21,7 +21,8 @@ def sample(cases: Iterable[Any], *always: int) -> list[Any]:
 def seeds(each_time: int, number: int = 200, at_once: int = 25) -> list[Any]:
     """Ranges of random seeds: a few that run each time, and all up to a number with `--long`."""
     starts = range(0, number, at_once)
-    return [range(each_time), *(long(range(k, min(k + at_once, number)), id=f"from-{k}") for k in starts)]
+    first = [range(each_time)] if each_time else []
+    return [*first, *(long(range(k, min(k + at_once, number)), id=f"from-{k}") for k in starts)]
 
 
 def _marked(case: Any) -> Any:

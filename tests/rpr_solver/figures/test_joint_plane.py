@@ -80,11 +80,16 @@ def test_cusps_at_one_point_have_no_inset_and_one_label() -> None:
         assert any({letter(i + 1), letter(k + 1)} <= set(word.split(": ")[0].split(", ")) for word in shown)
 
 
-VECTORS = [("sixteen-cusps", "14.46845", 16), ("eighteen-cusps", "15.6431", 18)]
+PAGE, COLUMN = Style(), Style(width_mm=86, unit="mm")
+CROWDED = [
+    ("eighteen-cusps", "15.6431", 18, COLUMN),
+    long("eighteen-cusps", "15.6431", 18, PAGE),
+    long("sixteen-cusps", "14.46845", 16, COLUMN),
+    long("sixteen-cusps", "14.46845", 16, PAGE),
+]
 
 
-@pytest.mark.parametrize(("name", "length", "count"), VECTORS)
-@pytest.mark.parametrize("style", [Style(), Style(width_mm=86, unit="mm")], ids=["page", "column"])
+@pytest.mark.parametrize(("name", "length", "count", "style"), CROWDED)
 def test_many_cusps_are_told_apart(name: str, length: str, count: int, style: Style) -> None:
     figure = joint_figure(curves(name, length).to_json()).styled(style)
     check(figure)

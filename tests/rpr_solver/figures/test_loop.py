@@ -25,7 +25,7 @@ def the_curves() -> SingularCurves:
     return singular_curves(INNOCENTI, 27)
 
 
-@pytest.mark.parametrize("style", sample(STYLES, 0, 1))
+@pytest.mark.parametrize("style", sample(STYLES, 1))
 def test_a_loop_with_the_curves_round_it(style: object) -> None:
     figure = loop_figure(the_loop().to_json(), the_curves().to_json())
     check(figure.styled(style))  # type: ignore[arg-type]

@@ -84,12 +84,12 @@ def assert_numbered(figure: Figure) -> None:
 
 
 @pytest.mark.parametrize("style", STYLES)
-@pytest.mark.parametrize("pose", sample(range(1, 7), 1, 4))
+@pytest.mark.parametrize("pose", sample(range(1, 7), 1))
 def test_poses_have_the_numbers_of_the_table(pose: int, style: Style) -> None:
     assert_numbered(the_six().figure(pose).styled(style))
 
 
-@pytest.mark.parametrize("some", seeds(1))
+@pytest.mark.parametrize("some", seeds(0))
 def test_random_poses_at_every_width(some: range) -> None:
     for rng in map(Random, some):
         draw_poses(rng)
