@@ -92,6 +92,7 @@ export class Space {
     });
     const slider = make("input", { type: "range", id: "space-length", min: 1, max: STEPS, hidden: true });
     on(slider, "input", () => this.#slide(between(((slider.value - 0.5) / STEPS) * this.#reach, ((Number(slider.value) + 0.5) / STEPS) * this.#reach)));
+    const length = make("output", { id: "space-named", htmlFor: "space-length" });
     const choice = make("fieldset", { className: "choice", id: "space-legs" }, make("legend", { textContent: "Slices of leg" }), ...legs);
     const large = make("button", { id: "space-large", textContent: "Large", ariaPressed: false });
     on(large, "click", () => {
@@ -99,7 +100,7 @@ export class Space {
       root.closest("#boards").classList.toggle("large", large.ariaPressed === "true");
     });
     const note = make("p", { id: "space-note", className: "hint" });
-    root.replaceChildren(board, make("div", { id: "space-controls" }, choice, slider, large, note), make("ul", { id: "space-marks", className: "legend", ariaLabel: "Lines and marks of the space" }));
+    root.replaceChildren(board, make("div", { id: "space-controls" }, choice, length, slider, large, note), make("ul", { id: "space-marks", className: "legend", ariaLabel: "Lines and marks of the space" }));
     this.#nodes = { board, canvas, flat, over, slider, choice };
     const context = canvas.getContext("webgl2", { antialias: true, powerPreference: "high-performance" });
     const told = { onLost: () => this.#lose(true), onBack: () => this.#lose(false) };
@@ -247,6 +248,7 @@ export class Space {
   /** Takes the length of another leg than the first for its slice. */
   async #slide(length) {
     this.#length = length;
+    write("space-named", this.#leg > 1 && length ? `L${this.#leg} = ${length}` : "");
     if (this.#leg === 1 || !length) return void this.#drawSlice();
     const [leg, { geometry }, { slider }] = [this.#leg, this.#shown, this.#nodes];
     slider.value = Math.round((STEPS * toNumber(length)) / this.#reach);
