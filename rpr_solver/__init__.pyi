@@ -65,6 +65,7 @@ from .paths.other_poses import OtherPose as OtherPose
 from .paths.path import Path as Path
 from .paths.path import path_csv as path_csv
 from .paths.path_poses import PathPose as PathPose
+from .paths.pose_conditions import with_condition as with_condition
 from .paths.samples import PathSample as PathSample
 from .singular import SingularComponent as SingularComponent
 from .singular import SingularCurves as SingularCurves

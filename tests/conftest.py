@@ -37,10 +37,17 @@ EXPENSIVE = {
 tests with real processes."""
 
 NIGHTLY = {
-    *("test_docker", "test_kubernetes", "test_monitoring", "test_glossary", "test_wheel", "test_dependencies"),
+    *(
+        "test_docker",
+        "test_kubernetes",
+        "test_monitoring",
+        "test_glossary",
+        "test_wheel",
+        "test_dependencies",
+    ),
     *("test_examples", "test_release", "containers"),
 }
-"""Directories and files about packaging and operation, which run with `--long`: each night, and for a release."""
+"""Files and directories about packaging and operation: they run with `--long`, each night."""
 
 SLOW = [HealthCheck.too_slow]
 settings.register_profile("ci", deadline=None, max_examples=25, derandomize=True, suppress_health_check=SLOW)

@@ -33,7 +33,7 @@ MAY_IMPORT = {
     "rpr_solver.modes": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular paths",
     "rpr_solver.along": "errors contract notebook exact triangles model slices singular paths modes",
-    "rpr_solver.exports": "contract errors notebook exact triangles model slices",
+    "rpr_solver.exports": "contract errors notebook exact triangles model slices paths",
     "rpr_solver.figures": "errors contract notebook triangles",
     "rpr_solver": "errors contract notebook figures exact triangles model slices transitions "
     "margins article curves paths modes along designs singular verify exports",

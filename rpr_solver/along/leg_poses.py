@@ -275,8 +275,9 @@ def poses_csv(document: Mapping[str, Any]) -> str:
         return csv_text(("from", "to", "count", "at"), document["intervals"])
     names = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
     rows = document["poses"]
+    asked = ("condition", "clearance_deg") if "condition" in document else ()
     given = ("x", "y", "phi_deg") if any("x" in pose for pose in rows) else ()
-    return csv_text((*names, *given), rows)
+    return csv_text((*names, *asked, *given), rows)
 
 
 def _is_inside(fold: Fold, span: LengthRange, scale: Fraction) -> bool:

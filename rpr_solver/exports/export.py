@@ -28,7 +28,7 @@ from fractions import Fraction
 from functools import partial
 from importlib.resources import files
 from math import atan2, cos, gcd, isqrt, lcm, radians, sqrt, tan
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
@@ -426,13 +426,39 @@ def _text(p: fmpq_mpoly) -> str:
 
 
 SYSTEMS = ("maple", "msolve", "pari", "sage", "sympy")
+"""Systems that compute cusps."""
+ROBOTS: Mapping[str, tuple[str, ...]] = {
+    "ros2-json": ("unit", "relative"),
+    "ros2-yaml": ("unit", "relative"),
+    "sdf": ("unit", "pose", "name"),
+}
+"""Descriptions for robots, of a path and of the machine at a pose, with their options."""
 
 Fields = Mapping[str, str]
 """What is put at the places of a line, by name."""
 
 
-def export(document: Mapping[str, Any], system: str) -> str:
-    """A cusp table or a census as a script that repeats the computation in another system.
+class ExportOptions(TypedDict, total=False):
+    """What descriptions for robots have beside their document.
+
+    Attributes:
+        unit: that of the geometry's lengths, which documents do not tell: ``"m"``, ``"cm"``, ``"mm"``,
+            ``"in"``. Robots are described in metres.
+        relative: of a path, whether positions are changes of lengths since its start
+            (:func:`~rpr_solver.exports.trajectory.joint_trajectory`).
+        pose: of a model, the number of the pose, from 1; 1 unless given.
+        name: of a model, its name.
+    """
+
+    unit: str | None
+    relative: bool | None
+    pose: int | None
+    name: str | None
+
+
+def export(document: Mapping[str, Any], system: str, **options: Unpack[ExportOptions]) -> str:
+    """A document for another system: a cusp table or a census as a script that repeats the computation, a
+    path as a ``JointTrajectory`` of ROS 2, or the machine at a pose as a model of SDFormat.
 
     The script derives J and E from the geometry, eliminates, and finds the cusps of each slice by the means
     of that system. It compares them with those of the document; its last line is ``agrees``, ``differs`` or
@@ -440,18 +466,28 @@ def export(document: Mapping[str, Any], system: str) -> str:
     cusps.
 
     Args:
-        document: a cusp table or a census, as JSON; for msolve a table of one slice.
-        system: ``"maple"``, ``"msolve"``, ``"pari"``, ``"sage"`` or ``"sympy"``.
+        document: a cusp table or a census, as JSON; for msolve a table of one slice; for ROS 2 a path, and
+            for SDFormat all poses of a joint vector.
+        system: ``"maple"``, ``"msolve"``, ``"pari"``, ``"sage"`` or ``"sympy"``; ``"ros2-json"``,
+            ``"ros2-yaml"`` or ``"sdf"``.
+        options: as :class:`ExportOptions` says, for robots.
 
     Raises:
-        InputError: naming ``document`` or ``system``.
+        InputError: naming ``document``, ``system`` or an option.
 
     >>> from rpr_solver import EXAMPLES, table_document
     >>> print(export(table_document(EXAMPLES["zein-flat"], 10, digits=15), "pari").splitlines()[3])
     \\\\ Expected at L1 = 10: alpha_deg, theta1_deg, l2, l3
     """
-    if system not in SYSTEMS:
-        raise InputError.of("system", f"is {shown(system)}; it must be one of {', '.join(SYSTEMS)}")
+    known = (*SYSTEMS, *ROBOTS)
+    if system not in known:
+        raise InputError.of("system", f"is {shown(system)}; it must be one of {', '.join(known)}")
+    given: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in ROBOTS.get(system, ()):
+            raise InputError.of(name, f"says nothing about an export to {system}; leave it out")
+    if system in ROBOTS:
+        return _for_robots(document, system, given)
     problem = problem_of(document)
     if problem.plane is not None and system == "maple":
         Manipulator.from_json(document["geometry"], max_digits=1 << 20).rational_lengths("a program in Maple")
@@ -461,6 +497,19 @@ def export(document: Mapping[str, Any], system: str) -> str:
     program, common = ((folder / f"{name}.txt").read_text(encoding="utf-8") for name in (system, "common"))
     program = program.replace("@COMMON@\n", common)
     return "".join(f"{line}\n" for line in _filled(program, problem, system))
+
+
+def _for_robots(document: Mapping[str, Any], system: str, options: dict[str, Any]) -> str:
+    # these load what moves along paths, which scripts need not
+    from rpr_solver.exports.model import sdf
+    from rpr_solver.exports.trajectory import trajectory_json, trajectory_yaml
+
+    writers: dict[str, Callable[..., str]] = {
+        "ros2-json": trajectory_json,
+        "ros2-yaml": trajectory_yaml,
+        "sdf": sdf,
+    }
+    return writers[system](document, options.pop("unit", None), **options)
 
 
 def _filled(program: str, problem: Problem, system: str) -> Iterator[str]:

@@ -37,7 +37,7 @@ def in_given_frame(frame: UserFrame, pose: Sequence[str], digits: int) -> tuple[
         digits: significant digits.
     """
     with ctx.workprec(working_bits(digits)):
-        alpha, b1x, b1y = map(_enclosed, pose)
+        alpha, b1x, b1y = map(enclosed, pose)
         x, y, phi = placed(frame, (alpha * arb.pi() / 180, b1x, b1y), digits)
         return x, y, angle_text(_rounded(phi, arb(1), digits))
 
@@ -84,7 +84,7 @@ class Course:
         return x, y, _rounded(phi, arb(1), self._digits)
 
 
-def _enclosed(text: str) -> arb:
+def enclosed(text: str) -> arb:
     """A ball round a number of which this is the decimal; 0 is printed only where it is exact."""
     exponent = Decimal(text).as_tuple().exponent
     return arb(0) if text == "0" else arb(f"{text} +/- 1e{exponent}")

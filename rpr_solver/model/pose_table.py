@@ -14,9 +14,11 @@ The document of :meth:`PoseTable.to_json`::
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
 1 regular, 2 on a singular curve, 3 at a cusp. ``x``, ``y`` and ``phi_deg`` are there if base or platform
-were given by points. ``curves`` is empty except for congruent triangles with equal legs, and where the
-platform can turn about a joint that legs share, with ``"any"`` as ``alpha_deg``; ``count`` is then the number
-of isolated poses.
+were given by points. With condition numbers (:mod:`rpr_solver.model.conditioning`) there are
+``"condition": {"length_scale": "sqrt(…)", "reference": "centroid"}``, and in each pose ``clearance_deg`` and
+``condition``, which is null at a singular pose. ``curves`` is empty except for congruent triangles with equal
+legs, and where the platform can turn about a joint that legs share, with ``"any"`` as ``alpha_deg``;
+``count`` is then the number of isolated poses.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.numerals import integer_text
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.model.bridge import Bridge
+from rpr_solver.model.conditioning import condition_json
 from rpr_solver.model.fibre import DEGREE, Closure, DecimalPose, Fibre, fibre
 from rpr_solver.model.given_poses import digits_before, in_given_frame
 from rpr_solver.model.joint_points import PoseKind
@@ -62,6 +65,10 @@ class PlatformPose:
         multiplicity: the number of poses that coalesce in it: 1 regular, 2 on a singular curve, 3 at a cusp.
         x, y, phi_deg: where base or platform were given by points, the place of the platform's frame in that
             of the base, and its angle (:class:`~rpr_solver.triangles.UserFrame`); else None.
+        condition: the condition number; None if it is infinite, or not asked for
+            (:func:`~rpr_solver.paths.pose_conditions.with_condition`).
+        clearance_deg: a proved lower bound of the distance to the nearest singular pose with the same L1:
+            that far, in degrees, α and θ1 may change together. None if not asked for.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).poses[0]
@@ -78,6 +85,8 @@ class PlatformPose:
     x: str | None = None
     y: str | None = None
     phi_deg: str | None = None
+    condition: str | None = None
+    clearance_deg: str | None = None
 
     def __repr__(self) -> str:
         angles = f"alpha_deg={shortened(self.alpha_deg)} theta1_deg={shortened(self.theta1_deg)}"
@@ -85,7 +94,8 @@ class PlatformPose:
 
     def to_json(self) -> dict[str, Any]:
         """The document's pose object."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+        found = {name: value for name, value in asdict(self).items() if value is not None}
+        return found if self.clearance_deg is None else {**found, "condition": self.condition}
 
 
 @dataclass(frozen=True)
@@ -145,6 +155,7 @@ class PoseTable(Pictured):
             with equal legs, or about a joint that legs share; ``count`` is then the number of isolated poses.
         polynomial: the sextic.
         certificate: how the table is proved.
+        length_scale: λ of the condition numbers, exact; None without these.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15)
@@ -158,6 +169,7 @@ class PoseTable(Pictured):
     curves: tuple[Mapping[str, str], ...]
     polynomial: DirectPolynomial
     certificate: PoseCertificate
+    length_scale: str | None = None
 
     def __repr__(self) -> str:
         legs = " ".join(f"{name.upper()}={shortened(text)}" for name, text in self.lengths.items())
@@ -187,6 +199,7 @@ class PoseTable(Pictured):
             **self.lengths,
             "count": self.count,
             "count_with_multiplicity": self.count_with_multiplicity,
+            **({} if self.length_scale is None else {"condition": condition_json(self.length_scale)}),
             "poses": [pose.to_json() for pose in self.poses],
             "curves": [dict(curve) for curve in self.curves],
             "polynomial": self.polynomial.to_json(),

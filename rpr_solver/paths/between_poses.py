@@ -5,13 +5,14 @@ none.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Unpack
 
 from rpr_solver.contract import document_head
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import InputError, SolverError, Unproved
 from rpr_solver.exact.decimals import rounded_near
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.model.joint_points import Kind, PoseKind
@@ -20,6 +21,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import Resolution
 from rpr_solver.paths.cells import Cells
+from rpr_solver.paths.conditioning import PathCondition, is_beyond
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.joint_paths import Range, in_slice
 from rpr_solver.paths.path import Path, path_of
@@ -62,10 +64,12 @@ class Obstacle(Kind):
     """Every path between the poses meets a singularity or exceeds a joint limit."""
     TOO_NARROW = "too-narrow"
     """Every path between the poses comes nearer to a singular pose than the clearance that is asked for."""
+    ILL_CONDITIONED = "ill-conditioned"
+    """One of the poses has a greater condition number than is asked for."""
     UNDECIDED = "undecided"
     """No path was found, and none is excluded: the singular curves at the ends of the range are not
-    supported, joint limits leave only ways that are too narrow for the resolution, or the clearance that is
-    asked for is greater than that of the path that was found."""
+    supported, joint limits leave only ways that are too narrow for the resolution, or the path that was found
+    has less clearance or a greater condition number than is asked for."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,7 @@ class NoPath:
         resolution: where joint limits separate the poses, or leave it undecided: the size of the smallest
             boxes of poses that were examined. None otherwise.
         clearance: where it is less than was asked for: that of the widest path that was found.
+        condition: where it is greater than was asked for: that of the best path that was found.
         near_pose: where joint limits leave it undecided: a pose near which it is. None otherwise.
 
     >>> from rpr_solver import EXAMPLES, joint_path
@@ -106,6 +111,7 @@ class NoPath:
     connecting: tuple[Fraction, Fraction] | None = None
     resolution: Resolution | None = None
     clearance: Clearance | None = None
+    condition: PathCondition | None = None
     near_pose: DecimalPose | None = None
 
     def __bool__(self) -> bool:
@@ -128,6 +134,7 @@ class NoPath:
             "resolution": self.resolution and self.resolution.to_json(),
             **({} if self.near_pose is None else {"near_pose": self.near_pose.to_json(leg)}),
             **({} if self.clearance is None else {"clearance": self.clearance.to_json()}),
+            **({} if self.condition is None else {"condition": self.condition.to_json()}),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
             "samples": [],
@@ -160,7 +167,7 @@ def joint_path(
         stop: the number of the second pose.
         between: two lengths between which the fixed leg may move; None holds it.
         options: as :class:`~rpr_solver.paths.question.PathOptions` says: ``limits``, ``fixed_leg``,
-            ``digits``, ``samples``, ``timing``, ``duration`` and ``clearance``.
+            ``digits``, ``samples``, ``timing``, ``duration``, ``clearance`` and ``max_condition``.
 
     Raises:
         InputError: naming the argument at fault.
@@ -284,7 +291,7 @@ class _Question:
             return self._none(found)
         if self.terms.clearance is not None:
             return self._wide(found, limited)
-        return path_of(self.manipulator, found, self.terms, between=self.span, named=self.named)
+        return self._kept(found, limited)
 
     def _wide(self, known: ProvedRoute, limited: LimitedSearch) -> Path | NoPath:
         """The widest path, or a reason why it is not as wide as was asked for."""
@@ -293,10 +300,46 @@ class _Question:
         corridors = Corridors.of(ends, limited.span, limited.sign, limited.limits, asked)
         found, clearance = corridors.widest(known)
         if clearance.proved >= asked:
-            terms, span, named = self.terms, self.span, self.named
-            return path_of(self.manipulator, found, terms, between=span, named=named, clearance=clearance)
+            return self._kept(found, limited, clearance)
         is_excluded = clearance.bound is not None and clearance.bound < asked
         return self._none(Obstacle.TOO_NARROW if is_excluded else Obstacle.UNDECIDED, clearance=clearance)
+
+    def _kept(
+        self, known: ProvedRoute, limited: LimitedSearch, clearance: Clearance | None = None
+    ) -> Path | NoPath:
+        """A path whose condition numbers are as they were asked for: the known one, or else the widest."""
+        terms = self.terms
+        if terms.condition is None:
+            return self._path(known, clearance)
+        scale, asked = terms.condition.scale(self.manipulator), terms.condition.most
+        condition = PathCondition.of(known[0], scale, asked)
+        if condition.is_kept:
+            return self._path(known, clearance, condition)
+        if any(is_beyond(end.pose, scale, asked) for end in self.ends):
+            return self._none(Obstacle.ILL_CONDITIONED, condition=condition)
+        if clearance is None:
+            ends = limited.start, limited.stop
+            corridors = Corridors.of(ends, limited.span, limited.sign, limited.limits)
+            with suppress(Unproved):
+                wide = corridors.widest(known)[0]
+                other = PathCondition.of(wide[0], scale, asked)
+                if other.is_kept:
+                    return self._path(wide, None, other)
+                condition = min(condition, other, key=lambda found: found.greatest)
+        return self._none(Obstacle.UNDECIDED, condition=condition)
+
+    def _path(
+        self, found: ProvedRoute, clearance: Clearance | None, condition: PathCondition | None = None
+    ) -> Path:
+        return path_of(
+            self.manipulator,
+            found,
+            self.terms,
+            between=self.span,
+            named=self.named,
+            clearance=clearance,
+            condition=condition,
+        )
 
     def _none(self, obstacle: Obstacle, **more: Any) -> NoPath:
         leg, digits, bounds = self.terms.leg, self.terms.digits, self.terms.bounds

@@ -39,6 +39,7 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.conditioning import PathCondition
 from rpr_solver.paths.corridors import Corridors, WideLoops
 from rpr_solver.paths.path import Path, path_of
 from rpr_solver.paths.proofs import (
@@ -192,12 +193,24 @@ def loop_in_slice(
     clearance = None
     if terms.clearance is not None:
         (route, proof), clearance = search.widened((route, proof), terms.clearance)
+    given = eliminant.manipulator if manipulator is None else manipulator
+    condition = None
+    if terms.condition is not None:
+        scale, most = terms.condition.scale(given), terms.condition.most
+        condition = PathCondition.of(route, scale, most)
+        if not condition.is_kept and clearance is None:
+            route, proof = search.widened((route, proof), Fraction(0))[0]
+            condition = PathCondition.of(route, scale, most)
+        if not condition.is_kept:
+            least = exact_str(condition.greatest)
+            raise Unproved(f"no loop with these condition numbers was found; one has at most {least}")
     winding = proof.windings[0]
     if winding < 0:
         route, winding = route.reversed(), -winding
     round_cusp = cusp, winding, search.twins
-    given = eliminant.manipulator if manipulator is None else manipulator
-    return path_of(given, (route, proof), terms, round_cusp=round_cusp, clearance=clearance)
+    return path_of(
+        given, (route, proof), terms, round_cusp=round_cusp, clearance=clearance, condition=condition
+    )
 
 
 def loop_in_range(report: CheckReport) -> Path | None:

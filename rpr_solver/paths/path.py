@@ -24,7 +24,9 @@ a path that is no loop round a cusp, ``between`` and ``limits`` where none are g
 whose joint vector other cusps share has their numbers too: ``"twins": [4]``. If the leg lengths at the end
 are not those at the start, ``from`` and ``to`` have their own ``l1``, ``l2`` and ``l3``, and the document has
 none; a pose that was given by its angles has no number. If a clearance was asked for, there is also
-``"clearance": {"asked": "best", "proved": "8.25", "bound": "8.62", "legs": "0.0046", "radius": "1.9"}``.
+``"clearance": {"asked": "best", "proved": "8.25", "bound": "8.62", "legs": "0.0046", "radius": "1.9"}``. If
+condition numbers were, samples have ``condition``, and there is ``"condition": {"length_scale": "3",
+"reference": "centroid", "asked": "40", "min": "2.77452", "max": "9.68012"}``.
 """
 
 from __future__ import annotations
@@ -46,6 +48,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
+from rpr_solver.paths.conditioning import PathCondition
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.other_poses import OtherPose, other_poses
 from rpr_solver.paths.path_poses import PathPose, numbered
@@ -106,6 +109,8 @@ class Path(Pictured):
         motion: the motion within limits; None if a law of time was given.
         deviation: bounds, for L1, L2 and L3, of what legs that move linearly between rows deviate from the
             path, proved; None unless ``motion`` or ``sampling`` was asked for.
+        clearance: how far it keeps from singular poses; None unless asked for.
+        condition: bounds of its condition numbers; None unless asked for.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A")
@@ -138,6 +143,7 @@ class Path(Pictured):
     motion: Motion | None = field(default=None, compare=False, repr=False)
     deviation: Deviation | None = None
     clearance: Clearance | None = None
+    condition: PathCondition | None = None
 
     def __repr__(self) -> str:
         what = ""
@@ -185,7 +191,8 @@ class Path(Pictured):
 
     def _sampled(self, plan: SamplingPlan) -> Path:
         frame = UserFrame.of(self.manipulator.geometry)
-        found = plan.sampled(self.route, (self.start.angles, self.stop.angles), self.digits, frame)
+        scale = None if self.condition is None else self.condition.scale
+        found = plan.sampled(self.route, (self.start.angles, self.stop.angles), self.digits, frame, scale)
         return replace(self, plan=plan, timing=plan.timing, **vars(found))
 
     def reversed(self) -> Path:
@@ -232,6 +239,7 @@ class Path(Pictured):
             "between": span_json(self.between),
             "limits": limits_json(self.limits) or None,
             **({} if self.clearance is None else {"clearance": self.clearance.to_json()}),
+            **({} if self.condition is None else {"condition": self.condition.to_json()}),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
             "others": None if self.others is None else [other.to_json(leg) for other in self.others],
@@ -282,12 +290,14 @@ def path_of(
     round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
     named: tuple[PathPose, PathPose] | None = None,
     clearance: Clearance | None = None,
+    condition: PathCondition | None = None,
 ) -> Path:
     """From a route and its proof to the path in decimals, with the numbers of its poses.
 
     ``between`` is the range of the fixed leg that it was to keep; ``round_cusp`` has the number of the cusp,
     the winding of a loop, and the twins. ``named`` are the poses at the ends, if they are known; otherwise
-    they are found among those of their common joint vector.
+    they are found among those of their common joint vector. ``condition`` are the bounds of its condition
+    numbers, if they are asked for.
 
     Raises:
         SolverError: digits could not be proved.
@@ -300,6 +310,7 @@ def path_of(
         lengths = route.start.lengths
     route, frame = _begun(route, start), UserFrame.of(manipulator.geometry)
     cusp, winding, twins = round_cusp or (None, None, ())
+    scale = None if condition is None else condition.scale
     with ctx.workprec(PROOF_BITS):
         least = round_down((proof.least / slice_map.scale_ball()).lower(), BOUND_DIGITS)
     return Path(
@@ -320,7 +331,8 @@ def path_of(
         timing=terms.plan.timing,
         plan=terms.plan,
         clearance=clearance,
-        **vars(terms.plan.sampled(route, (start.angles, stop.angles), digits, frame)),
+        condition=condition,
+        **vars(terms.plan.sampled(route, (start.angles, stop.angles), digits, frame, scale)),
     )
 
 
@@ -360,5 +372,5 @@ def path_csv(document: Mapping[str, Any]) -> str:
     """
     angle = f"theta{document['fixed_leg']}_deg"
     columns = ["time", "l1", "l2", "l3", "alpha_deg", angle, "determinant", "clearance_deg"]
-    columns += [name for name in IN_GIVEN_FRAME if name in document["samples"][0]]
+    columns += [name for name in ("condition", *IN_GIVEN_FRAME) if name in document["samples"][0]]
     return csv_text(columns, document["samples"])

@@ -25,6 +25,7 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, MotionQuestion, Sampli
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.conditioning import AskedCondition
 from rpr_solver.paths.joint_paths import sign_of
 from rpr_solver.paths.path_poses import PathPose, isolated, of_table
 from rpr_solver.paths.proofs import BEST, PROOF_BITS, PathLimits, outside
@@ -73,19 +74,27 @@ class PathOptions(SamplingOptions, total=False):
         sampling: instead of ``samples``: ``{"step": …}`` or ``{"chord": …}``.
         clearance: ``"best"`` for the path that keeps as far from singular poses as possible, or how far it
             must keep from them, exact, in degrees (:class:`Clearance`). Any path unless given.
+        condition: whether condition numbers are wanted (:mod:`rpr_solver.model.conditioning`).
+        length_scale: λ, by which they measure rotations, exact, > 0, in the user's unit; the radius of
+            gyration of the platform's joints unless given.
+        max_condition: the greatest condition number that a pose of the path may have, exact, at least 1.
     """
 
     limits: ExactLimits | None
     fixed_leg: int
     digits: int
     clearance: Exact | None
+    condition: bool
+    length_scale: Exact | None
+    max_condition: Exact | None
 
 
 @dataclass(frozen=True)
 class PathTerms:
     """The options of a path, checked: the fixed leg, the digits, how it is sampled, and its joint limits.
 
-    ``clearance`` is in degrees, 0 for the greatest one, and None for any path.
+    ``clearance`` is in degrees, 0 for the greatest one, and None for any path; ``condition`` is None without
+    condition numbers.
     """
 
     leg: int
@@ -93,6 +102,7 @@ class PathTerms:
     plan: SamplingPlan
     bounds: Mapping[int, Bounds]
     clearance: Fraction | None
+    condition: AskedCondition | None = None
 
     @classmethod
     def of(
@@ -102,6 +112,9 @@ class PathTerms:
         fixed_leg: int = 1,
         digits: int = PATH_DIGITS,
         clearance: Exact | None = None,
+        condition: bool = False,
+        length_scale: Exact | None = None,
+        max_condition: Exact | None = None,
         **sampled: Unpack[SamplingOptions],
     ) -> PathTerms:
         """The terms of :class:`PathOptions`.
@@ -112,7 +125,8 @@ class PathTerms:
         digits, leg = check_digits(digits), check_leg(fixed_leg)
         plan = SamplingPlan.of(**sampled)
         bounds = read_limits({} if limits is None else limits, "limits", held=leg)
-        return cls(leg, digits, plan, bounds, read_clearance(clearance))
+        asked = AskedCondition.of(condition=condition, length_scale=length_scale, max_condition=max_condition)
+        return cls(leg, digits, plan, bounds, read_clearance(clearance), asked)
 
 
 def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:

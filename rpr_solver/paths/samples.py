@@ -27,9 +27,10 @@ from rpr_solver.model.given_poses import Course as GivenCourse
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
+from rpr_solver.paths.conditioning import condition_at
 from rpr_solver.paths.proofs import BOUND_DIGITS
 from rpr_solver.paths.routes import Angles, Arc, EndPose, Point, Route, Turns, by_leg, local_map
-from rpr_solver.triangles import UserFrame
+from rpr_solver.triangles import Surd, UserFrame
 
 
 def clearance_of(slice_map: SliceMap, length: arb, j: Jet[arb]) -> arb:
@@ -91,6 +92,7 @@ class PathSample:
         place: where on the arcs of the path, exact: the number of the arc, from 0, plus its parameter τ.
         given: x, y and φ in degrees, where base or platform were given by points: the place of the platform's
             frame in that of the base (:class:`~rpr_solver.triangles.UserFrame`). φ is continuous as α is.
+        condition: the condition number (:mod:`rpr_solver.model.conditioning`); None unless asked for.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=3, duration=10).samples[1].time
@@ -105,6 +107,7 @@ class PathSample:
     clearance_deg: str
     place: Fraction
     given: tuple[str, str, str] | None = None
+    condition: str | None = None
 
     def __repr__(self) -> str:
         legs = " ".join(f"l{leg}={shortened(text)}" for leg, text in enumerate(self.lengths, 1))
@@ -123,6 +126,7 @@ class PathSample:
             f"theta{fixed_leg}_deg": self.theta_deg,
             "determinant": self.determinant,
             "clearance_deg": self.clearance_deg,
+            **({} if self.condition is None else {"condition": self.condition}),
             "place": exact_str(self.place),
             **dict(zip(IN_GIVEN_FRAME, self.given or (), strict=False)),
         }
@@ -136,13 +140,17 @@ class Points:
     digits: int
     arcs: dict[int, list[Arc]]
     course: GivenCourse | None = None
+    scale: Surd | None = None
 
     @classmethod
-    def of(cls, route: Route, digits: int, frame: UserFrame | None = None) -> Points:
+    def of(
+        cls, route: Route, digits: int, frame: UserFrame | None = None, scale: Surd | None = None
+    ) -> Points:
         start = digit_bits(digits) + 64
         # the second is also that of poses in the given frame, which need twice the digits
         arcs = {bits: route.at(bits) for bits in (start, max(4 * start, working_bits(digits)))}
-        return cls(route.slice_map, digits, arcs, None if frame is None else GivenCourse(frame, digits))
+        course = None if frame is None else GivenCourse(frame, digits)
+        return cls(route.slice_map, digits, arcs, course, scale)
 
     def _on_arc(self, number: int, tau: Fraction, bits: int) -> Point:
         return self.arcs[bits][number].at(ball_of(tau))
@@ -219,7 +227,14 @@ class Points:
             (clearance_of(self.slice_map, length, j) * 180 / arb.pi()).lower(), BOUND_DIGITS
         )
         lengths = by_leg(self.slice_map.fixed_leg, texts[:3])
-        return PathSample(time, lengths, angles[0], angles[1], texts[3], clearance, place)
+        condition = None
+        if self.scale is not None:
+            condition = round_ball(condition_at(self.slice_map, point, self.scale), self.digits)
+            if condition is None:
+                return None
+        return PathSample(
+            time, lengths, angles[0], angles[1], texts[3], clearance, place, condition=condition
+        )
 
 
 def _at_end(pose: EndPose, bits: int) -> Point:

@@ -22,7 +22,7 @@ from rpr_solver.paths.proofs import BOUND_DIGITS
 from rpr_solver.paths.routes import Route
 from rpr_solver.paths.samples import PathSample, Points
 from rpr_solver.paths.timing import NO_DEVIATION, TIMINGS, Course, Deviation, Place, TimedCourse
-from rpr_solver.triangles import UserFrame
+from rpr_solver.triangles import Surd, UserFrame
 
 _FEW, _PARTS, _BEYOND = 64, 32, 8
 """After so many halvings the number of samples is estimated, by the median of so many parts. Bounds of their
@@ -114,8 +114,10 @@ class SamplingPlan:
         angles: tuple[tuple[str, str], tuple[str, str]],
         digits: int,
         frame: UserFrame | None,
+        scale: Surd | None = None,
     ) -> Sampled:
-        """The samples of a path, its ends included, and in the given frame if there is one.
+        """The samples of a path, its ends included, and in the given frame if there is one; with condition
+        numbers if a length scale is given.
 
         ``angles`` are α and θ at the ends, as text, in (−180, 180].
 
@@ -129,7 +131,7 @@ class SamplingPlan:
             course, motion = TimedCourse(route, self.timing, self.duration), None
         else:
             course = motion = Motion.of(route, self.limits)
-        points, samples = Points.of(route, digits, frame), []
+        points, samples = Points.of(route, digits, frame, scale), []
         times = list(self._times(course))
         for k, time in enumerate(times):
             if 0 < k < len(times) - 1:

@@ -24,6 +24,9 @@ POSE_KINDS = ("swallowtail", "lips", "beak-to-beak", "isolated-point", "node", "
 RANGE = record({"from": NOT_NEGATIVE, "to": nothing_or(POSITIVE)})
 """A range of lengths of the fixed leg; without ``to`` it has no upper end."""
 
+IN_GIVEN_FRAME: dict[str, Read] = dict.fromkeys(("x", "y", "phi_deg"), no_claim(text()))
+"""What poses and samples have beside if triangles were given by points, which a document does not tell."""
+
 
 @dataclass(frozen=True)
 class Document:

@@ -10,8 +10,9 @@ from flint import ctx
 
 from rpr_solver.verify.aspects import Node, are_joined
 from rpr_solver.verify.claims import Claim, Open, Refused, demand, open_claim
+from rpr_solver.verify.conditioning import Rates
 from rpr_solver.verify.equations import Slice
-from rpr_solver.verify.numbers import Printed
+from rpr_solver.verify.numbers import Printed, ball
 from rpr_solver.verify.path_ends import ENDS, PIECE_BITS, PathEnds
 
 
@@ -27,6 +28,7 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
             "opposite-signs": _has_opposite_signs,
             "other-aspect": _is_in_other_aspect,
             "outside-limits": _is_outside,
+            "ill-conditioned": _is_ill_conditioned,
         },
     )
     if obstacle in proofs:
@@ -36,6 +38,9 @@ def obstacle_claims(ends: PathEnds) -> Iterator[Claim]:
     if joining is not None:
         span = [joining[end] for end in ENDS]
         yield ends.claim_by("/connecting_range", "there is a path in it", partial(_is_joined_in, ends, span))
+    if "condition" in members:
+        claim = "the condition numbers of the best path that was found"
+        yield open_claim("/condition", claim, "this is not verified")
     if clearance is not None:
         yield open_claim("/clearance", "how clear paths may be", "this is not verified")
 
@@ -67,6 +72,19 @@ def _is_outside(ends: PathEnds) -> str:
             if above or (limit["min"] is not None and high < limit["min"]):
                 return "a length of an end is beyond a limit"
     raise Refused("no length of an end is proved to be beyond a limit")
+
+
+def _is_ill_conditioned(ends: PathEnds) -> str:
+    asked = ends.members.get("condition")
+    if asked is None or asked["asked"] is None:
+        raise Refused("no condition number was asked for")
+    for end in ENDS:
+        place = ends.place(end)
+        length = place[2] * ball(ends.unit)
+        rates = Rates(ends.mechanism.geometry, ends.mechanism.fixed, asked["length_scale"])
+        if rates.condition(place, length) > ball(asked["asked"]):
+            return "that of an end is greater than was asked for"
+    raise Refused("no end is proved to have a greater condition number")
 
 
 def _sign(ends: PathEnds, end: str, length: Fraction) -> int:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rpr_solver.contract import LEAST_SAMPLES, LEGS, MOST_CUSPS, MOST_POSES, MOST_SAMPLES
-from rpr_solver.verify.members import Leg
+from rpr_solver.verify.conditioning import ALONG
+from rpr_solver.verify.members import IN_GIVEN_FRAME, Leg
 from rpr_solver.verify.numbers import NOT_NEGATIVE, POSITIVE, exact_within, printed
 from rpr_solver.verify.reader import (
     Read,
@@ -28,6 +29,7 @@ OBSTACLES = (
     "outside-limits",
     "separated-by-limits",
     "too-narrow",
+    "ill-conditioned",
     "undecided",
 )
 _BOUND_DIGITS, _MOST_ARCS, _MOST_CONTROLS = 6, 1000, 8
@@ -42,6 +44,7 @@ _CLEARANCE = record(
         "radius": nothing_or(POSITIVE),
     }
 )
+_ASKED: dict[str, Read] = {"clearance": _CLEARANCE, "condition": ALONG}
 _LAW = record({**dict.fromkeys(("shares", "speeds"), rows(anything)), "tick": POSITIVE, "window": count(1)})
 
 
@@ -83,7 +86,10 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
     numbers = dict.fromkeys(("alpha_deg", leg.theta, "determinant"), leg.number)
     lengths = dict.fromkeys(LEGS, leg.positive)
     places = dict.fromkeys(("time", "place"), NOT_NEGATIVE)
-    sample = record({**places, **lengths, **numbers, "clearance_deg": bound})
+    sample = record(
+        {**places, **lengths, **numbers, "clearance_deg": bound},
+        {"condition": leg.positive, **IN_GIVEN_FRAME},
+    )
     angles = ("alpha", leg.theta.removesuffix("_deg"))
     turns = record(dict.fromkeys(angles, count(-_MOST_TURNS, _MOST_TURNS)))
     certificate = record(
@@ -117,7 +123,7 @@ def _found(leg: Leg, head: Mapping[str, Read]) -> Read:
         "certificate": certificate,
     }
     twins = {"twins": rows(cusp, 1, MOST_CUSPS)}
-    return record(members, {**dict.fromkeys(LEGS, POSITIVE), **twins, "clearance": _CLEARANCE, **asked})
+    return record(members, {**dict.fromkeys(LEGS, POSITIVE), **twins, **_ASKED, **asked})
 
 
 def _none(head: Mapping[str, Read]) -> Read:
@@ -129,9 +135,7 @@ def _none(head: Mapping[str, Read]) -> Read:
         "resolution": no_claim(anything),
         "samples": rows(anything, 0, 0),
     }
-    return record(
-        members, {**dict.fromkeys(LEGS, POSITIVE), "clearance": _CLEARANCE, "near_pose": no_claim(anything)}
-    )
+    return record(members, {**dict.fromkeys(LEGS, POSITIVE), **_ASKED, "near_pose": no_claim(anything)})
 
 
 def _control(leg: Leg) -> Read:

@@ -14,8 +14,9 @@ from flint import arb, ctx
 from rpr_solver.boxes import Box
 from rpr_solver.contract import LEGS, Progress
 from rpr_solver.verify.arcs import Controls, Piece, everywhere, leaves, point_at
-from rpr_solver.verify.claims import Claim, Open, demand, open_claim
+from rpr_solver.verify.claims import Claim, Open, Refused, demand, open_claim
 from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
+from rpr_solver.verify.conditioning import Rates, has_condition, is_between
 from rpr_solver.verify.equations import THETA, Jets
 from rpr_solver.verify.finding import cusps_of
 from rpr_solver.verify.members import Document
@@ -27,6 +28,8 @@ from rpr_solver.verify.timing import keeps_time
 from rpr_solver.verify.work import Work
 
 _TURN = 360
+_OF_EIGENVALUES = 5
+"""The work for the singular values on a piece."""
 _NOT_VERIFIED = {
     "others": "what becomes of the other poses",
     "motion": "all legs keep the limits of motion",
@@ -77,6 +80,12 @@ class _Path(PathEnds):
                 yield open_claim(f"/{name}", claim, "this is not verified")
         if "clearance" in members:
             yield from self._clearance_claims(members["clearance"])
+        if (condition := members.get("condition")) is not None:
+            if condition["asked"] is not None:
+                enough = partial(demand, condition["max"] <= condition["asked"], "it is greater")
+                yield self.claim_by("/condition/asked", "none is greater than was asked for", enough)
+            claim = "the condition numbers of all poses are between these"
+            yield self.claim_by("/condition", claim, self._conditions)
 
     @property
     def exact_arcs(self) -> Sequence[Sequence[Any]]:
@@ -168,6 +177,28 @@ class _Path(PathEnds):
 
         return demand(everywhere(self.pieces, holds), "it is less somewhere", "on pieces, by balls")
 
+    @cached_property
+    def rates(self) -> Rates:
+        """The matrices of the rates of its legs."""
+        geometry, scale = self.mechanism.geometry, self.members["condition"]["length_scale"]
+        return Rates(geometry, self.mechanism.fixed, scale)
+
+    def _conditions(self) -> str:
+        low, high = (ball(self.members["condition"][name]) for name in ("min", "max"))
+        unit = ball(self.unit)
+
+        def holds(piece: Piece) -> bool | None:
+            self.work.spend(_OF_EIGENVALUES)
+            middle = piece.halves[0].controls[-1]
+            return is_between(
+                self.rates.at(middle, middle[2] * unit),
+                self.rates.at(piece.box, piece.box[2] * unit),
+                low,
+                high,
+            )
+
+        return demand(everywhere(self.pieces, holds), "one is not", "by singular values on pieces")
+
     def _between(self) -> str:
         between = self.members["between"]
         if between is not None:
@@ -258,6 +289,8 @@ class _Path(PathEnds):
             here, at, nearer = _Sample(self, sample), f"/samples/{n}", "no singular pose is nearer than this"
             yield self.claim_by(at, "a point of the arcs at its place", here.has_digits)
             yield self.claim_by(f"{at}/clearance_deg", nearer, here.is_clear)
+            if "condition" in self.members:
+                yield self.claim_by(f"{at}/condition", "its condition number", here.has_condition)
 
     def _times(self) -> str:
         samples, duration = self.members["samples"], self.members["duration"]
@@ -330,6 +363,21 @@ class _Sample:
         if not all(found.values()):
             raise Open("a number is half way between two decimals, or exactly 0, as far as balls tell")
         return "the point is evaluated by balls"
+
+    def has_condition(self) -> str:
+        """Proves its condition number."""
+        path = self.path
+        number = self.sample.get("condition")
+        if number is None:
+            raise Refused("it has none")
+
+        def at(_bits: int) -> arb:
+            arcs = path.arcs()
+            arc = min(int(self.sample["place"]), len(arcs) - 1)
+            place = point_at(arcs[arc], self.sample["place"] - arc)
+            return path.rates.condition(place, place[2] * ball(path.unit))
+
+        return has_condition(number, at, path.work)
 
     def is_clear(self) -> str:
         """Proves that no singular pose is nearer."""

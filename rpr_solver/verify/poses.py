@@ -9,24 +9,38 @@ from functools import partial
 from itertools import pairwise
 from math import isqrt
 
-from flint import acb, arb
+from flint import acb, arb, ctx
 
-from rpr_solver.boxes import Box
+from rpr_solver.boxes import Box, Zero
 from rpr_solver.contract import LEGS, MOST_POSES, Progress
 from rpr_solver.verify.claims import Claim, Open, Refused, claim_by, compared, demand, settled
-from rpr_solver.verify.equations import Mechanism
+from rpr_solver.verify.clearance import bend_bound, is_clear, keeps_clear
+from rpr_solver.verify.conditioning import SCALE, Rates, has_condition
+from rpr_solver.verify.equations import Lengths, Mechanism
 from rpr_solver.verify.finding import Found, poses_of
 from rpr_solver.verify.listed import Matching, Row, degrees
-from rpr_solver.verify.members import Document, Leg
-from rpr_solver.verify.numbers import Printed, ball, square_of
-from rpr_solver.verify.reader import Read, Record, anything, count, no_claim, record, rows, text, word
+from rpr_solver.verify.members import IN_GIVEN_FRAME, Document, Leg
+from rpr_solver.verify.numbers import Printed, ball, printed, square_of
+from rpr_solver.verify.reader import (
+    Read,
+    Record,
+    anything,
+    count,
+    either,
+    no_claim,
+    nothing_or,
+    record,
+    rows,
+    text,
+    word,
+)
 from rpr_solver.verify.work import Work
 
 _THETAS = tuple(f"theta{leg}_deg" for leg in (1, 2, 3))
 
 
-_IN_GIVEN_FRAME: dict[str, Read] = dict.fromkeys(("x", "y", "phi_deg"), no_claim(text()))
-"""What poses have beside if triangles were given by points, which a document does not tell."""
+_CONDITIONS = ("condition", "clearance_deg")
+_BOUND_DIGITS, _CLEARANCE_BITS = 6, 192
 
 
 def poses_schema(leg: Leg) -> Read:
@@ -38,17 +52,23 @@ def poses_schema(leg: Leg) -> Read:
         "multiplicity": count(1, MOST_POSES),
     }
     curve = {"kind": word("curve"), "alpha_deg": text(), "description": text()}
-    return record(
-        {
-            **leg.head,
-            **dict.fromkeys(LEGS, square_of),
-            "count": count(0, MOST_POSES),
-            "count_with_multiplicity": count(0, MOST_POSES),
-            "poses": rows(record(pose, _IN_GIVEN_FRAME), 0, MOST_POSES),
-            "curves": rows(record(curve), 0, 2),
-            "polynomial": no_claim(anything),
-            "certificate": no_claim(anything),
-        }
+    asked = {"condition": nothing_or(leg.positive), "clearance_deg": printed(_BOUND_DIGITS, 0)}
+    with_condition, without = (
+        rows(record({**pose, **own}, IN_GIVEN_FRAME), 0, MOST_POSES) for own in (asked, {})
+    )
+    members = {
+        **leg.head,
+        **dict.fromkeys(LEGS, square_of),
+        "count": count(0, MOST_POSES),
+        "count_with_multiplicity": count(0, MOST_POSES),
+        "curves": rows(record(curve), 0, 2),
+        "polynomial": no_claim(anything),
+        "certificate": no_claim(anything),
+    }
+    return either(
+        lambda value: "condition" in value,
+        record({**members, "condition": record(SCALE), "poses": with_condition}),
+        record({**members, "poses": without}),
     )
 
 
@@ -97,7 +117,8 @@ class _Poses:
         names = ("alpha_deg", f"theta{self.slice[0].fixed}_deg")
         listed = []
         for pose in self.listed:
-            numbers = {name: x for name, x in pose.items() if isinstance(x, Printed)}
+            own = {name: x for name, x in pose.items() if name not in _CONDITIONS}
+            numbers = {name: x for name, x in own.items() if isinstance(x, Printed)}
             listed.append(Row({**{name: numbers[name] for name in names}, **numbers}))
         return Matching.of(listed, self.found.zeros, self._numbers, self.work)
 
@@ -122,6 +143,12 @@ class _Poses:
         members = self.document.members
         for n in range(len(self.listed)):
             yield claim_by(f"/poses/{n}", "a pose with these digits", partial(self._proved, n))
+        if "condition" in members:
+            nearer, numbers = "no singular pose with this length of leg 1 is nearer", range(len(self.listed))
+            for n in numbers:
+                yield claim_by(f"/poses/{n}/condition", "its condition number", partial(self._conditioned, n))
+            for n in numbers:
+                yield claim_by(f"/poses/{n}/clearance_deg", nearer, partial(self._clear, n))
         ends = [(pose["alpha_deg"].value, pose["theta1_deg"].value) for pose in self.listed]
         yield compared(
             "/poses",
@@ -148,6 +175,43 @@ class _Poses:
         if n in self.matching.unsure or self.found.open:
             raise Open("poses coalesce, or nearly so, or a digit is not decided")
         raise Refused("no pose has these digits, or it is listed before")
+
+    def _zero(self, n: int) -> Zero:
+        """The pose that is listed, as it is found anew."""
+        place = self.matching.places[n]
+        if place is None:
+            raise Open("the pose is not found anew")
+        return self.found.zeros[place]
+
+    def _conditioned(self, n: int) -> str:
+        number, zero = self.listed[n]["condition"], self._zero(n)
+        if number is None:
+            raise Refused("it is a regular pose, whose condition number is finite")
+        (mechanism, length), square = self.slice, self.document.members["condition"]["length_scale"]
+
+        def at(bits: int) -> arb:
+            box = zero.within(bits)
+            return Rates(mechanism.geometry, mechanism.fixed, square).condition(box, ball(length))
+
+        return has_condition(number, at, self.work)
+
+    def _clear(self, n: int) -> str:
+        number, zero = self.listed[n]["clearance_deg"], self._zero(n)
+        mechanism, length = self.slice
+        if number.is_zero:
+            return "0 is no bound"
+        if mechanism.fixed != 1:
+            raise Open("leg 1 has no rational length")
+        with ctx.workprec(_CLEARANCE_BITS):
+            space = Lengths(mechanism)
+            unit = Fraction(2) ** mechanism.geometry.size
+            place = [*zero.within(_CLEARANCE_BITS // 2), ball(length / unit)]
+            j = space.on(place, 1).singular
+            if j.value.contains(0):
+                raise Open("the sign of J is not decided")
+            if is_clear(j, bend_bound(space, place[2]), ball(number.value) * arb.pi() / 180):
+                return "by J and its slope there, and a bound of its second derivatives"
+            return keeps_clear(space, [[place, place]], 1 if j.value > 0 else -1, number.value, self.work)
 
     def _curves(self) -> str:
         if self.found.open:

@@ -324,9 +324,13 @@ def _poses(table: Mapping[str, Any]) -> Page:
         l1: the length of leg 1, or its range, such as 0:12, if it is the one that moves
         l2: that of leg 2
         l3: that of leg 3
+        condition: give the condition number of each pose, and its distance from singular poses
+        length_scale: the length by which condition numbers measure rotations (default: the root of the mean
+            squared distance of the platform's joints from their centroid)
 
     examples:
       rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
+      rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30 --condition --digits 6
       rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
       rpr-cusps poses innocenti --l1 17 --l3 15 --l2-range 0:40
     """
@@ -336,8 +340,15 @@ def _poses(table: Mapping[str, Any]) -> Page:
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
     keys = (*_KEYS, *_IN_GIVEN_FRAME) if any("x" in pose for pose in table["poses"]) else _KEYS
+    rows = table["poses"]
+    if (asked := table.get("condition")) is not None:
+        keys = (*keys, "condition", "clearance_deg")
+        rows = [{**pose, "condition": pose["condition"] or "infinite"} for pose in rows]
     notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]
-    return Page(about(table), [Section(title, rows_of(table["poses"], keys), notes)], table["digits"])
+    if asked is not None:
+        scale = f"length scale {asked['length_scale']}, about the centroid of the platform's joints"
+        notes.append(f"Condition numbers: {scale}. The clearance is that with L1 held.")
+    return Page(about(table), [Section(title, rows_of(rows, keys), notes)], table["digits"])
 
 
 def _along_leg(document: Mapping[str, Any]) -> Page:

@@ -15,13 +15,13 @@ import rpr_solver
 from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.exports import bibtex
-from rpr_solver.exports.export import SYSTEMS
+from rpr_solver.exports.export import ROBOTS, SYSTEMS
 from rpr_solver.notebook.figure import Figure, draw, suffix_of
 from service.cli import arguments, asking, output, parsers
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
 from service.cli.parsers import Command
-from service.schemas.document import JsonError, named, parse_json, plain, read, unnamed
+from service.schemas.document import JsonError, named, parse_json, plain, read, renamed, unnamed
 from service.schemas.limits import Limits
 from service.schemas.plots import LABELS, PlotRequest, Setting, VerificationRequest
 from worker.answers import Store
@@ -90,32 +90,56 @@ def _page(answer: Mapping[str, Any], is_verbose: bool) -> Page:
     return Page(answer["summary"], [Section(title, notes=notes, failed=answer["verdict"] == "refused")])
 
 
+_OF_ROBOTS = ("unit", "relative", "pose", "name")
+
+
 def _configure_export(parser: argparse.ArgumentParser) -> None:
     """Add the options of `export`.
 
     Options:
-        FILE: a cusp table or a census as JSON, or -
-        --to: the system that runs it; msolve takes one slice only
+        FILE: a cusp table or a census as JSON, or -; a path for ROS 2, poses for SDFormat
+        --to: maple, msolve (one slice), pari, sage or sympy; ros2-json or ros2-yaml for a path, sdf for poses
+        --unit: for robots: the unit of the geometry's lengths, which become metres
+        --relative: for ROS 2: positions are changes of lengths since the start of the path
+        --pose: for SDFormat: the number of the pose (default: 1)
+        --name: for SDFormat: the name of the model
         --output: the file to write (default: standard output)
     """
     parser.add_argument("document", metavar="FILE")
-    parser.add_argument("--to", required=True, choices=SYSTEMS)
+    parser.add_argument("--to", required=True, choices=(*SYSTEMS, *ROBOTS), metavar="SYSTEM")
+    parser.add_argument("--unit", metavar="UNIT")
+    parser.add_argument("--relative", action="store_true", default=None)
+    parser.add_argument("--pose", type=int, metavar="N")
+    parser.add_argument("--name")
     parser.add_argument("-o", "--output", metavar="SCRIPT")
 
 
 def _run_export(args: argparse.Namespace) -> int:
     """Write a cusp table or a census as a script for another system. The script repeats the computation from
     the geometry and compares: its last line is "agrees", "differs" or "cannot decide with N digits". For
-    msolve, a slice is written as a system of equations.
+    msolve, a slice is written as a system of equations. A path is written as a JointTrajectory of ROS 2, and
+    the machine at a pose as a model of SDFormat.
 
     examples:
       rpr-cusps solve innocenti --l1 14.98 --digits 30 --format json > table.json
       rpr-cusps export table.json --to pari -o table.gp && gp -q table.gp
       rpr-cusps census robot.json --digits 20 --format json | rpr-cusps export - --to sympy | python
+      rpr-cusps path robot.json --l1 27 --speed 10 --acceleration 20 --format json > path.json
+      rpr-cusps export path.json --to ros2-yaml --unit mm > trajectory.yaml
+      rpr-cusps poses robot.json --l1 27 --l2 20 --l3 20 --format json > poses.json
+      rpr-cusps export poses.json --to sdf --unit mm --pose 2 -o robot.sdf
     """
     document = read_document(args.document)
-    with named("FILE"), unnamed("document"):
-        script = rpr_solver.export(document, args.to)
+    options = {name: getattr(args, name) for name in _OF_ROBOTS}
+
+    def place(field: str) -> str:
+        inside = field.removeprefix("document").removeprefix(".")
+        return f"--{field}" if field in _OF_ROBOTS else f"FILE.{inside}" if inside else "FILE"
+
+    try:
+        script = rpr_solver.export(document, args.to, **options)
+    except InputError as error:
+        raise renamed(error, place) from None
     return _written(script.encode(), args.output)
 
 

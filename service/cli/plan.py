@@ -28,6 +28,10 @@ def _paths(document: Mapping[str, Any]) -> Page:
         between: poses
         limits: a leg, along the whole path
         clearance: how far to keep from singular poses, or best for as far as possible
+        condition: give the condition number of each sample, and bounds of it along the path
+        length_scale: the length by which condition numbers measure rotations (default: the root of the mean
+            squared distance of the platform's joints from their centroid)
+        max_condition: the greatest condition number that a pose of the path may have
         cusp: the number or letter of the cusp in the table of the slice (default: A)
         motion.speed: the greatest speed of all legs or of each; times follow from the limits: 10, or
             l2=10,l3=5
@@ -47,6 +51,7 @@ def _paths(document: Mapping[str, Any]) -> Page:
       rpr-cusps path innocenti --l1 27 --l2 20 --l3 20 --from 1 --to alpha=-40,theta1=140,l1=27
       rpr-cusps path innocenti --l1 27 --l2 25.7 --l3 9.2 --from 1 --to 3 --clearance best
       rpr-cusps path innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
+      rpr-cusps path innocenti --l1 27 --l2 20 --l3 20 --from 1 --to 2 --max-condition 12
     """
     ends = f"from {_end(document['from'])} to {_end(document['to'])}"
     common = f" of {all_legs(document)}" if LEGS[0] in document else ""
@@ -67,6 +72,7 @@ def _paths(document: Mapping[str, Any]) -> Page:
     notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}{kept}."]
     notes += _notes_of_motion(document)
     notes += _clear(document)
+    notes += _conditions(document)
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
@@ -127,15 +133,28 @@ def _clear(document: Mapping[str, Any]) -> list[str]:
     return [f"{least}{bound}.", f"No fold is met while {legs} change by less than {found['legs']}.{curved}"]
 
 
+def _conditions(document: Mapping[str, Any]) -> list[str]:
+    """The condition numbers of a path, or of the best one that was found."""
+    found = document.get("condition")
+    if found is None:
+        return []
+    whose = "" if document["connected"] else " of the best path that was found"
+    scale = f"length scale {found['length_scale']}, about the centroid of the platform's joints"
+    return [f"Condition numbers{whose} are from {found['min']} to {found['max']} ({scale})."]
+
+
 def _advice(document: Mapping[str, Any]) -> list[str]:
     """What is said of two poses without a path."""
     leg, span = document["fixed_leg"], document["connecting_range"]
     if document["obstacle"] == rpr_solver.Obstacle.OPPOSITE_SIGNS:
         return ["J has different signs at both poses, so every path between them meets a singularity."]
     if document["obstacle"] == rpr_solver.Obstacle.UNDECIDED:
-        return ["No path was found, and none is excluded.", *_clear(document), *_resolution(document)]
+        lines = [*_clear(document), *_conditions(document), *_resolution(document)]
+        return ["No path was found, and none is excluded.", *lines]
     if document["obstacle"] == rpr_solver.Obstacle.TOO_NARROW:
         return ["Every path comes nearer to a singular pose than is asked for.", *_clear(document)]
+    if document["obstacle"] == rpr_solver.Obstacle.ILL_CONDITIONED:
+        return ["One of the poses has a greater condition number than is asked for.", *_conditions(document)]
     if document["obstacle"] == rpr_solver.Obstacle.OUTSIDE_LIMITS:
         return ["These lengths themselves exceed the joint limits."]
     if document["obstacle"] == rpr_solver.Obstacle.SEPARATED_BY_LIMITS:

@@ -212,7 +212,7 @@ FUNCTIONS: Mapping[str, Function] = {
     ),
     "leg_poses": Function(
         "The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names.",
-        *(PosesRequest, "lengths start? stop?", "l1 l2 l3"),
+        *(PosesRequest, "lengths start? stop?", "l1 l2 l3 condition length_scale"),
         also={"lengths": "Mapping[str, Exact]", "start": "Exact", "stop": "Exact"},
         answer=LegPoses,
     ),

@@ -13,6 +13,7 @@ from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES
 from rpr_solver.errors import FieldProblem
 from rpr_solver.model.lengths import ROWS, MotionLimits, rows_of
 from service.schemas.answers import ClosedRange, Decimal, DocumentHead, FixedLength, Form, compact, optional
+from service.schemas.conditions import PathCondition
 from service.schemas.document import Document, Expected, given, unnamed
 from service.schemas.lengths import KeptLimits, number_or, numbers_of
 from service.schemas.limits import Detail, Model
@@ -200,6 +201,7 @@ class PathSample(_Angles, Legs, _Timed):
             partial derivatives of L1, L2, L3 by the translation of the platform and its rotation in radians.
         clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
             the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees.
+        condition: The condition number of the Jacobian; missing unless requested.
         place: Where on the arcs of `certificate`, exact: the number of the arc, from 0, plus its parameter τ.
         x: Where base or platform are given by points: x of the origin of the platform's frame in the frame of
             the base.
@@ -209,6 +211,7 @@ class PathSample(_Angles, Legs, _Timed):
 
     determinant: Decimal
     clearance_deg: Decimal
+    condition: Decimal | None = optional()
     place: str
     x: Decimal | None = optional()
     y: Decimal | None = optional()
@@ -312,15 +315,17 @@ class Path(DocumentHead):
             slices; `other-aspect` of the slice, or of the range between the lengths of `between`;
             `outside-limits`: a pose itself exceeds the joint limits; `separated-by-limits`: every path meets
             a singularity or exceeds a joint limit; `too-narrow`: no path has the clearance that is required;
-            or `undecided`: the singular curves at the ends of that range are not supported, the poses within
-            the limits are too narrowly connected for the `resolution`, or the path that was found has less
-            clearance than is required.
+            `ill-conditioned`: a pose itself has a greater condition number than is allowed; or `undecided`:
+            the singular curves at the ends of that range are not supported, the poses within the limits are
+            too narrowly connected for the `resolution`, or the path that was found has less clearance, or a
+            greater condition number, than is required.
         limits: The joint limits that the path keeps, proved; null if none were given.
         resolution: If joint limits separate the poses, or leave the answer undecided: the size of the
             smallest boxes of poses that were examined.
         near_pose: Where joint limits leave the answer undecided: a pose near which the ways within them are
             too narrow for the `resolution`; or a pose at an end, if it is too near to what is not allowed.
         clearance: The clearance of the path, if it was asked for.
+        condition: The condition numbers along the path, if they were asked for.
         between: The requested lengths between which the fixed leg was free.
         connecting_range: With `other-aspect`: lengths of the fixed leg between which a path exists, found
             from the census; null if none was found.
@@ -351,6 +356,7 @@ class Path(DocumentHead):
     resolution: PathResolution | None = None
     near_pose: NearbyPose | None = optional()
     clearance: PathClearance | None = optional()
+    condition: PathCondition | None = optional()
     between: ClosedRange | None = None
     connecting_range: ClosedRange | None = None
     cusp: int | None = None

@@ -15,6 +15,7 @@ from rpr_solver import exact_str
 from rpr_solver.contract import FIXED_LEGS, LEAST_SAMPLES, LEGS, MOST_POSES, MOST_SAMPLES, PATH_DIGITS
 from rpr_solver.errors import FieldProblem, InputError, clipped
 from service.schemas.answers import CSV, JSON, JSON_FORM, NDJSON, Forms, csv_form
+from service.schemas.conditions import LengthScale, MostCondition, condition_member, scale_field
 from service.schemas.document import Document, Source, given, json_kind, named, part
 from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, JointLimits, OneSlice, SlicesOfOneLeg, limits_member
@@ -203,6 +204,9 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     With `clearance`, the path is as far from singular poses as possible, or at least as far as requested, and
     this is proved.
 
+    With `condition`, samples have the condition number of the Jacobian, and the answer bounds of it along the
+    path, proved; with `max_condition` it is proved to be nowhere greater.
+
     With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
     proved by subdivision, or undecided at the reported `resolution`.
 
@@ -225,6 +229,8 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
         clearance: How far the path must keep from singular poses, in degrees of α and the fixed leg's angle;
             or `best`, for as far as possible. Where the fixed leg varies, those of its length at each pose
             count.
+        condition: Whether condition numbers are wanted: of each sample, and bounds of them along the path.
+        max_condition: The greatest condition number that a pose of the path may have; at least 1.
         samples: The number of samples, the ends included.
         timing: The time profile of the arc length in joint space. The speed follows half a sine wave
             (`cosine`), rises, stays and falls for a third of the time each (`trapezoid`), or is constant.
@@ -257,6 +263,9 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     between: Between = given()
     limits: JointLimits = given()
     clearance: AskedClearance = given()
+    condition: Flag = False
+    length_scale: LengthScale = scale_field()
+    max_condition: MostCondition = given()
     cusp: CuspNumber = cusp_field()
     samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = USUAL["samples"]
     timing: Literal["cosine", "trapezoid", "constant"] = USUAL["timing"]
@@ -292,6 +301,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
         limits_member(self.limits, held=self.fixed_leg)
+        condition_member(self)
         for name, end in zip(POSES, (self.start, self.stop), strict=True):
             if isinstance(end, AngledPose):
                 with named(name):
@@ -323,6 +333,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
             **own,
             **limits_member(self.limits, held=self.fixed_leg),
             **({} if self.clearance is None else {"clearance": self.clearance}),
+            **condition_member(self),
             **({"samples": self.samples} if self.sampling is None else self.sampling.content()),
             **self._times(),
             "others": self.others,

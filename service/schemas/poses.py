@@ -36,16 +36,25 @@ from service.schemas.answers import (
     csv_form,
     optional,
 )
+from service.schemas.conditions import ConditionScale, LengthScale, condition_member, scale_field
 from service.schemas.document import Expected, Source, given, part
 from service.schemas.geometry import points_member
 from service.schemas.lengths import NEEDED, OneSlice, OpenRange, Range, SlicesOfOneLeg, range_field
 from service.schemas.limits import DEFERRED, Detail, Model
-from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, fixed_leg_field, number_where
+from service.schemas.numbers import (
+    Digits,
+    FixedLeg,
+    Flag,
+    Length,
+    digits_field,
+    fixed_leg_field,
+    number_where,
+)
 from service.schemas.questions import Question
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
 
-class Pose(Model):
+class _PlatformPose(Model):
     """A pose of the platform. Angles are degrees in (−180, 180].
 
     Attributes:
@@ -72,6 +81,21 @@ class Pose(Model):
     x: Decimal | None = optional()
     y: Decimal | None = optional()
     phi_deg: Decimal | None = optional()
+
+
+class Pose(_PlatformPose):
+    """A pose of the platform. Angles are degrees in (−180, 180].
+
+    Attributes:
+        condition: The condition number of the Jacobian, if it was asked for; null if it is infinite, at a
+            singular pose.
+        clearance_deg: A proved lower bound, of 6 digits, of the distance to the nearest singular pose with
+            the same length of leg 1: α and the angle of leg 1 may change together (in the Euclidean norm) by
+            less than this, in degrees. Missing unless condition numbers were asked for.
+    """
+
+    condition: Decimal | None = None
+    clearance_deg: Decimal | None = optional()
 
 
 class PoseCurve(Detail):
@@ -120,13 +144,14 @@ class PoseTable(Model):
     l3: str
     count: int = Field(description="Number of distinct isolated poses.")
     count_with_multiplicity: int
+    condition: ConditionScale | None = optional("By what condition numbers measure rotations.")
     poses: list[Pose]
     curves: list[PoseCurve]
     polynomial: PosePolynomial
     certificate: PoseCertificate
 
 
-class LegPose(Pose):
+class LegPose(_PlatformPose):
     """A pose at a length inside an interval.
 
     Attributes:
@@ -396,6 +421,10 @@ class PosesRequest(Question):
     With a range for one leg, the poses along this leg: all lengths in the range at which poses merge, and
     between them the number of poses, with the sign of J and the aspect of each.
 
+    With `condition`, each pose has the condition number of its Jacobian, for the rates of the legs by the
+    velocity of the platform's centroid and its angular velocity times `length_scale`, and how far it is from
+    singular poses.
+
     A worker computes the poses in milliseconds.
     """
 
@@ -410,6 +439,10 @@ class PosesRequest(Question):
     l1: LengthOrRange = Field(description="Length of leg 1; > 0. Or its range, if it is the one that moves.")
     l2: LengthOrRange = Field(description="Length of leg 2, likewise.")
     l3: LengthOrRange = Field(description="Length of leg 3, likewise.")
+    condition: Flag = Field(
+        default=False, description="Whether each pose has its condition number, and its clearance."
+    )
+    length_scale: LengthScale = scale_field()
     digits: Digits = digits_field()
 
     @property
@@ -422,11 +455,17 @@ class PosesRequest(Question):
         moving = [leg for leg in LEGS if isinstance(getattr(self, leg), OpenRange)]
         if len(moving) > 1:
             raise InputError.of(moving[1], "is a second range; two legs need a length")
+        if condition_member(self) and moving:
+            name = "condition" if self.condition else "length_scale"
+            raise InputError.of(
+                name, f"is for poses of three lengths, and {moving[0]} is a range; leave it out"
+            )
         return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""
-        return {**super().content(), **points_member(self.geometry)}
+        plain = self.model_dump(exclude={"condition", "length_scale"})
+        return {**plain, **condition_member(self), **points_member(self.geometry)}
 
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):

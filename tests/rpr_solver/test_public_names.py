@@ -56,6 +56,7 @@ FUNCTIONS = {
     "table_json",
     "tolerance_census",
     "trace_slice",
+    "with_condition",
     "with_sensitivities",
     "within_tolerance",
     "verify_document",

@@ -57,7 +57,10 @@ def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
     """
     lengths = {leg: request.content[leg] for leg in LEGS}
     if (moving := _moving(request.content)) is None:
-        return rpr_solver.poses(request.as_given, *lengths.values(), digits=request.digits).to_json()
+        table = rpr_solver.poses(request.as_given, *lengths.values(), digits=request.digits)
+        if (asked := request.content.get("condition")) is not None:
+            table = rpr_solver.with_condition(table, asked.get("length_scale"))
+        return table.to_json()
     span = lengths.pop(moving)
     return rpr_solver.leg_poses(
         request.as_given, lengths, span["from"], span["to"], digits=request.digits
@@ -147,16 +150,22 @@ _INTERVALS = 4
 """Intervals along a leg, of most questions; at most they are thirteen."""
 _OF_FOLDS = 0.008
 """Seconds for the lengths at which poses merge, and the aspects of a slice."""
+_OF_DISCS = 0.2
+"""Seconds for the clearances of all poses."""
 
 
 def _poses_sizes(content: Content, size: Sizes) -> Sizes:
-    return replace(size, count=1 if _moving(content) is None else _INTERVALS)
+    count = 1 if _moving(content) is None else _INTERVALS
+    return replace(size, count=count, limited=int("condition" in content))
 
 
 def _poses_cost(size: Sizes) -> float:
-    """Of one joint vector; along a leg, of one in each interval, and the aspects of a slice."""
+    """Of one joint vector, perhaps with condition numbers; along a leg, of one in each interval, and the
+    aspects of a slice."""
     one = 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
-    return one if size.count == 1 else size.count * one + _OF_FOLDS
+    if size.count > 1:
+        return size.count * one + _OF_FOLDS
+    return one + size.limited * (one + _OF_DISCS)
 
 
 def _singular_cost(size: Sizes) -> float:

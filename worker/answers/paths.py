@@ -36,6 +36,14 @@ def _ends(content: Content, name: str) -> tuple[str, str] | None:
     return (ends := content.get(name)) and (ends["from"], ends["to"])
 
 
+def _condition(content: Content) -> dict[str, Any]:
+    """What is asked of condition numbers."""
+    if (asked := content.get("condition")) is None:
+        return {}
+    names = {"length_scale": "length_scale", "max": "max_condition"}
+    return {"condition": True, **{names[name]: number for name, number in asked.items()}}
+
+
 USUAL: Mapping[str, Any] = {
     "samples": DEFAULT_SAMPLES,
     "timing": "cosine",
@@ -63,6 +71,7 @@ def path(request: JobRequest, store: Store, _progress: Progress) -> Document:
         "fixed_leg": request.fixed_leg,
         "digits": request.digits,
         **{name: content[name] for name in names if name in content},
+        **_condition(content),
     }
     if "cusp" in content:
         own = store.eliminant(request)
@@ -90,6 +99,7 @@ _PER_LIMIT = (("speed", 1.5, 1), ("acceleration", 4.0, 2), ("jerk", 9.0, 3))
 _SUBDIVISION = 0.5  # seconds, of a slice within joint limits
 _WIDE = 2  # subdivisions that take as long as the widest path
 _WIDE_IN_RANGE = 8  # or as that of a range
+_OF_CONDITIONS = 2  # or as condition numbers along a path
 
 
 def _measure_path(content: Content, size: Sizes) -> Sizes:
@@ -101,7 +111,8 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
         deviations=count if content.get("motion") or content.get("sampling") else 0,
         censuses=int(of_poses and not is_limited),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
-        + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0),
+        + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0)
+        + (_OF_CONDITIONS if "condition" in content else 0),
     )
 
 

@@ -20,7 +20,8 @@ from tests.support.sampling import sample
 def document(random: Random, count: int, vectors: int) -> dict[str, Any]:
     """A matrix of random words, symmetric, in which some poses are joined in groups."""
     groups = [random.randrange(4) for _ in range(count)]
-    apart = [word.value for word in Obstacle if word is not Obstacle.TOO_NARROW]
+    of_paths = Obstacle.TOO_NARROW, Obstacle.ILL_CONDITIONED  # which no matrix has
+    apart = [word.value for word in Obstacle if word not in of_paths]
     matrix = [["joined" if a == b else random.choice(apart) for b in groups] for a in groups]
     legs = [{f"l{leg}": f"{random.uniform(1, 1e4):.9g}" for leg in (1, 2, 3)} for _ in range(vectors)]
     angles = "alpha_deg", "theta2_deg"

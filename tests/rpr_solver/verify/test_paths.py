@@ -19,9 +19,13 @@ from tests.rpr_solver.verify.true_documents import true_document
 from tests.support.families import family
 
 INNOCENTI = EXAMPLES["innocenti"]
+DRAWN = Manipulator(
+    base={"points": [[0, 0], [480, 30], [210, 420]]}, platform={"points": [[0, 0], [160, 0], [60, 130]]}
+)
 HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw")
 PATHS = {
     "a loop of leg 3": lambda: cusp_loop(Manipulator(9, 4, 11, 14, 15, 13), 12, "A", fixed_leg=3, samples=5),
+    "in the frame of given points": lambda: cusp_loop(DRAWN, 250, "A", samples=5),
     "60 digits": lambda: cusp_loop(INNOCENTI, 27, "A", digits=60, samples=3),
     "ends on a limit": lambda: joint_path(
         HOME, "22.2", "30.2", "24.88", 3, 2, fixed_leg=3, limits={"l2": ("30.2", "43.9")}, samples=5

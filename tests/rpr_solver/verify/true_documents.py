@@ -31,6 +31,7 @@ from rpr_solver import (
     poses,
     singular_curves,
     table_document,
+    with_condition,
 )
 from rpr_solver.exact.decimals import rounded_down
 from tests.rpr_solver.long_run import NAMES, manipulator
@@ -124,7 +125,9 @@ def _poses(q: Question) -> Document:
         off = 1 + Fraction(q.draw.choice([-1, 1]), 10 ** q.draw.choice([10, 20, 30]))
         _, _, second, third = q.draw.choice(cusps).coordinates
         lengths = [lengths[0], Fraction(second) * off, Fraction(third)]
-    return poses(q.manipulator, *lengths, digits=q.draw.choice(q.digits)).to_json()
+    table = poses(q.manipulator, *lengths, digits=q.draw.choice(q.digits))
+    scale = q.draw.choice([None, Fraction(q.draw.randint(1, 99), 7)])
+    return (with_condition(table, scale) if q.draw.random() < 0.5 else table).to_json()
 
 
 def _census(q: Question) -> Document:

@@ -184,6 +184,30 @@ def test_a_path_within_joint_limits(api: httpx.Client) -> None:
     assert "limits.l2: exclude cusp 2" in excluded.text
 
 
+def test_condition_numbers(api: httpx.Client) -> None:
+    first = EXAMPLES["innocenti"]
+    answer = api.post("/v1/poses", json={**POSES, "length_scale": "2.5"})
+    expected = rpr_solver.with_condition(poses(first, "14.98", 15, 30, digits=20), "2.5").to_json()
+    assert (answer.status_code, answer.json()) == (200, expected)
+    assert is_whole("Poses", expected)
+    lines = api.post("/v1/poses", json={**POSES, "condition": True}, headers={"Accept": "text/csv"}).text
+    assert lines.splitlines()[0].endswith(",multiplicity,condition,clearance_deg")
+    body = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "from": 1, "to": 2, "samples": 2}
+    for most, obstacle in ((12, None), ("9.5", "undecided"), (7, "ill-conditioned")):
+        answer = api.post("/v1/paths", json={**body, "max_condition": most})
+        path = rpr_solver.joint_path(first, 27, 20, 20, 1, 2, samples=2, max_condition=most)
+        assert (answer.status_code, answer.json()) == (200, path.to_json())
+        assert is_whole("Path", path.to_json())
+        assert answer.json().get("obstacle") == obstacle
+    for path, question, field in (
+        ("/v1/paths", {**body, "max_condition": "0.5"}, "max_condition"),
+        ("/v1/paths", {**body, "length_scale": 0}, "length_scale"),
+        ("/v1/poses", {**POSES, "l2": {"from": 1, "to": 2}, "condition": True}, "condition"),
+    ):
+        refused = api.post(path, json=question)
+        assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, field)
+
+
 def test_the_widest_path(api: httpx.Client) -> None:
     body = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "from": 1, "to": 2, "samples": 2}
     answer = api.post("/v1/paths", json={**body, "clearance": "best"})

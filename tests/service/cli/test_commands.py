@@ -28,6 +28,7 @@ from rpr_solver import (
     singular_curves,
     table_csv,
     tolerance_census,
+    with_condition,
     with_sensitivities,
 )
 from rpr_solver.article.table import article_document
@@ -238,6 +239,23 @@ def test_the_clearance_of_a_path(run_here: Run) -> None:
     assert narrow[2].endswith("too-narrow")
     refused = run_here(*args, "--clearance", "0")
     assert (refused.returncode, "--clearance: is 0" in refused.stderr) == (2, True)
+
+
+def test_condition_numbers_of_poses_and_paths(run_here: Run) -> None:
+    asked = ("poses", "innocenti", *LEGS, "--digits", "20", "--length-scale", "5/2")
+    expected = with_condition(poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20), "5/2").to_json()
+    assert json.loads(run_here(*asked, "--json").stdout) == expected
+    page = run_here(*asked).stdout
+    assert all(pose["condition"] in page for pose in expected["poses"])
+    args = ("path", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--from", "1", "--to", "2")
+    kept = run_here(*args, "--samples", "2", "--max-condition", "12").stdout
+    found = joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, samples=2, max_condition=12).to_json()
+    assert f"from {found['condition']['min']} to {found['condition']['max']}" in kept
+    assert run_here(*args, "--max-condition", "7").stdout.splitlines()[2].endswith("ill-conditioned")
+    rows = csv.DictReader(run_here(*args, "--samples", "2", "--condition", "--format", "csv").stdout.split())
+    assert [row["condition"] for row in rows] == [sample["condition"] for sample in found["samples"]]
+    refused = run_here(*args, "--max-condition", "0.5")
+    assert (refused.returncode, "--max-condition: is 0.5" in refused.stderr) == (2, True)
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, cusp_table, export, table_document, table_json
+from rpr_solver import EXAMPLES, cusp_loop, cusp_table, export, poses, table_document, table_json
 from tests.support.cli_process import Run
 
 
@@ -94,5 +94,37 @@ def test_the_script_is_that_of_the_library(run_here: Run, tmp_path: Path, system
 )
 def test_what_is_wrong_is_named(run_here: Run, args: tuple[str, ...], stdin: str, said: str) -> None:
     done = run_here("export", *args, stdin=stdin)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert said in done.stderr
+
+
+def test_a_path_and_a_pose_are_exported_for_robots(run_here: Run, tmp_path: Path) -> None:
+    first = EXAMPLES["innocenti"]
+    path = cusp_loop(first, 27, "B", samples=3, duration=2).to_json()
+    done = run_here("export", "-", "--to", "ros2-yaml", "--unit", "mm", stdin=json.dumps(path))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == export(path, "ros2-yaml", unit="mm")
+    table = poses(first, 27, 20, 20, digits=15).to_json()
+    target = tmp_path / "robot.sdf"
+    args = ("export", "-", "--to", "sdf", "--unit", "in", "--pose", "2", "--name", "<me>", "-o", str(target))
+    assert run_here(*args, stdin=json.dumps(table)).returncode == 0
+    assert target.read_text() == export(table, "sdf", unit="in", pose=2, name="<me>")
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("--to", "sdf"), "--unit: is missing"),
+        (("--to", "sdf", "--unit", "mm", "--pose", "9"), "--pose: is 9; give 1 to 4"),
+        (("--to", "sdf", "--unit", "mm", "--relative"), "--relative: says nothing"),
+        (("--to", "ros2-json", "--unit", "mm"), "FILE: is no path"),
+    ],
+    ids=lambda part: part if isinstance(part, str) else part[1],
+)
+def test_what_cannot_be_exported_for_robots_names_the_option(
+    run_here: Run, args: tuple[str, ...], said: str
+) -> None:
+    table = poses(EXAMPLES["innocenti"], 27, 20, 20, digits=15).to_json()
+    done = run_here("export", "-", *args, stdin=json.dumps(table))
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert said in done.stderr

@@ -10,6 +10,7 @@ from rpr_solver import EXAMPLES, InputError, Requirement, cusp_loop, design, mar
 from service.schemas.curves import MarginRequest
 from service.schemas.document import JsonNumber, Source, read
 from service.schemas.limits import Limits
+from service.schemas.paths import PathRequest
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
 from service.schemas.registry import all_questions
 from tests.support.sampling import long
@@ -29,10 +30,13 @@ VALUES: dict[str, list[Any]] = {
     "objective": ["most-cusps", "longest-range"], "vary": ["5%", {"d1": {"from": 16, "to": 18}}],
     "fixed": [["d1"]], "family": ["isosceles-1"], "decimals": [2], "min_height": [1],
     "ignore_windows": [0.01], "loop": ["required"], "min_aspects": [2], "max_aspects": [9],
+    "condition": [True], "length_scale": [2.5], "max_condition": [40],
     "budget": [{"censuses": 44}], "seed": [5], "plot": ["census", "mechanism", "loop"],
     "theme": ["dark"], "pose": [2], "width_mm": [90], "style": ["paper"], "unit": ["mm"], "labels": ["none"],
 }  # fmt: skip
 """Values that are not those of a question without the member."""
+IMPLIED = {"condition": {"length_scale", "max_condition"}}
+"""A member that is asked for by others, too."""
 APART = {"geometry", "deadline_seconds", "callback_url", "document"}
 
 
@@ -64,7 +68,7 @@ def test_none_is_ignored(question: type[Question], pairs: bool) -> None:
     for body in bodies:
         before = asked(question, body)
         for name, value in more:
-            if before is not None and name not in body:
+            if before is not None and name not in body and not body.keys() & IMPLIED.get(name, set()):
                 assert asked(question, {**body, name: value}) != before, (name, value, body)
 
 
@@ -90,6 +94,15 @@ def test_a_requirement_names_its_leg() -> None:
 def test_samples_are_asked_for_in_one_way(options: Any, field: str) -> None:
     with pytest.raises(InputError, match=f"{field}: follows from"):
         cusp_loop(INNOCENTI, 27, "B", **options)
+
+
+def test_condition_numbers_are_wanted_or_not() -> None:
+    body = as_sent({"geometry": EXAMPLE_GEOMETRY, **JOINTS, "from": 1, "to": 2})
+    asked_for = asked(PathRequest, {**body, "max_condition": JsonNumber("40")})
+    assert asked_for != asked(PathRequest, body)
+    assert asked_for == asked(PathRequest, {**body, "max_condition": JsonNumber("40"), "condition": True})
+    with pytest.raises(InputError, match="condition: is false, but max_condition is given"):
+        read(PathRequest, {**body, "max_condition": JsonNumber("40"), "condition": False}, Source(Limits()))
 
 
 def test_what_is_fixed_has_no_bounds() -> None:
