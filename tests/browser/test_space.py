@@ -139,6 +139,8 @@ def test_the_joint_space_is_turned_and_magnified(
     assert not any("/three/" in url or "/space/" in url for url in loaded), "before it is opened"
     page.get_by_label("space", exact=True).check()
     expect(page.locator("#space-board")).to_have_attribute("data-edges", "24")
+    room, board = (page.locator(name).bounding_box() for name in ("#slice", "#space-board"))
+    assert board["height"] > 0.6 * room["height"], "the board behind it takes no room"
     page = open_space()
     assert told(page, "drawing") == "webgl"
     expect(page.locator("#space-note")).to_contain_text("64 × 64 × 48")
