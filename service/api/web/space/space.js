@@ -20,7 +20,7 @@ import { bindTurning } from "./turning.js";
 import { WebGlDrawing } from "./webgl.js";
 import { Work } from "./work.js";
 
-const COARSE = [32, 32, 24]; // the grid while something moves
+const COARSE = [32, 32, 24]; // the grid of the first picture, and while something moves
 const REST = 300; // ms without a change after which something rests
 const BEYOND = 1.15; // times the last transition, up to which lengths are shown
 const GUESS = 1.7; // times the longest side, while transitions are not known
@@ -168,7 +168,7 @@ export class Space {
         this.#makeSurface(GRID);
         this.#askEdges();
       };
-      if (!isFirst) this.#makeSurface(COARSE);
+      this.#makeSurface(COARSE);
       this.#timers.geometry = setTimeout(settle, isFirst ? 0 : REST);
     } else if (this.#level > this.#reach) this.#extend();
   }
