@@ -5,7 +5,7 @@ import { ticksOf, tickText } from "../explorer/axes.js";
 const [NUMBER, NAME] = [13, 33]; // pixels from an edge of the box to its numbers, and to its name
 const APART = 26; // pixels between numbers
 
-/** The lines of the walls, `[[L1, L2, L3], [L1, L2, L3]]`, and the texts of the axes: `{text, x, y, isName}`. */
+/** The lines of the walls, `[[L1, L2, L3], [L1, L2, L3]]`, with a key that changes when they do, and the texts of the axes: `{text, x, y, isName}`. */
 export function frameOf(camera, { low, high }, size) {
   const [, , eye] = camera.axes;
   const ends = [low, high];
@@ -41,5 +41,5 @@ export function frameOf(camera, { low, high }, size) {
     const within = ["x", "y"].map((name, i) => Math.min(Math.max(place[name], 10), size[i] - 10));
     texts.push({ text: `L${axis + 1}`, x: within[0], y: within[1], isName: true });
   });
-  return { lines, texts };
+  return { key: [...far, ...low, ...high].join(), lines, texts };
 }

@@ -35,7 +35,7 @@ const SCALE = 2; // pixels of a saved picture by one of the page
 const [CUSP, EVENT, HERE] = [9, 11, 14]; // sizes of marks in pixels
 const FORMS = { ring: 0, swallowtail: 1, lips: 2, "beak-to-beak": 3, dot: 4 };
 const SHAPES = { swallowtail: "M10 0L17 6L10 12L3 6Z", lips: "M5 1H15V11H5Z", "beak-to-beak": "M4 11H16L10 1Z" };
-const COLOURS = ["card", "ink", "line", "base", "cusp", "loop", "accent", "two", "four", "six", "more", "fewer"];
+const COLOURS = ["card", "ink", "line", "cusp", "loop", "accent", "two", "four", "six", "more", "fewer"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
 export class Space {
@@ -64,8 +64,11 @@ export class Space {
   #eye = null; // the camera as the page knows it
   #wanted = null; // {l1, place}: a cusp to be selected when its slice is there
   #timers = {};
+  #names = []; // of cusps: {place, name, index}
+  #chosen = -1; // the edge of the selected cusp
+  #walls = ""; // that are drawn
   #texts = [];
-  #ready;
+  #ready; // a promise of the first picture
   #isReady;
 
   /** Fills an element. `told` has `onSelect(index)`, `onGo(l1)`, `onEye(text)` and `ask(name, question, options)`. */
@@ -136,7 +139,8 @@ export class Space {
     this.#take(geometryText(shown.geometry));
     const isOther = (...names) => names.some((name) => shown[name] !== before[name]);
     if (this.#leg === 1 && isOther("curves")) this.#drawSlice();
-    if (isOther("slice", "selected", "isShown", "path", "here", "limits", "at", "l1")) this.#drawMarks();
+    if (isOther("path", "limits")) this.#drawPaths();
+    if (isOther("slice", "selected", "isShown", "here", "at", "l1")) this.#drawMarks();
     const { l1, place } = this.#wanted ?? {};
     if (l1 && shown.slice?.l1 === l1 && shown.l1 === l1) {
       this.#wanted = null;
@@ -204,6 +208,7 @@ export class Space {
     this.#box = { low, high: mesh.high.with(leg - 1, reach) };
     this.#camera.frame(low, this.#box.high);
     this.#drawing.surface(mesh);
+    this.#drawPaths();
     this.#drawMarks();
     Object.assign(this.#nodes.board.dataset, { grid: grid.join(), box: JSON.stringify(this.#box) });
     this.#later();
@@ -280,9 +285,10 @@ export class Space {
     const { card: paper, ink, more, fewer } = this.#colours;
     this.#drawing.colours({ paper, ink, more, fewer }, ALPHAS[dark.matches ? "dark" : "light"]);
     this.#drawing.surface(this.#surface);
+    this.#walls = "";
     this.#drawEdges();
     this.#drawSlice();
-    this.#drawMarks();
+    this.#drawPaths();
     this.#later();
   }
 
@@ -331,11 +337,19 @@ export class Space {
     this.#explain();
   }
 
-  /** What is marked: events, cusps of the slice, the loop and where the machine is on it, limits, a joint vector. */
+  /** The loop, and joint limits. */
+  #drawPaths() {
+    if (!this.#box) return;
+    const [colours, { path = [], limits }] = [this.#colours, this.#shown];
+    this.#drawing.lines("loop", path.length > 1 ? [{ points: path.map(placeIn), colour: colours.loop, width: 5 }] : [], { isTube: true });
+    this.#drawing.lines("limits", limits ? limitLines(limits, this.#box).map((points) => ({ points, colour: colours.accent, width: 1.8 })) : []);
+    this.#explain();
+  }
+
+  /** What is marked: events, cusps of the slice, a joint vector, and where the machine is on the loop. */
   #drawMarks() {
-    const { colours, box } = this.#drawing && this.#box ? { colours: this.#colours, box: this.#box } : {};
-    if (!box) return;
-    const { slice, selected, isShown, path = [], here, limits, at, l1 } = this.#shown;
+    if (!this.#box) return;
+    const [colours, { slice, selected, isShown, here, at, l1 }] = [this.#colours, this.#shown];
     const marks = this.#events.map(({ kind, place }) => ({ place, colour: colours.ink, form: FORMS[kind] ?? FORMS.dot, size: kind in FORMS ? EVENT : 0.7 * EVENT }));
     this.#names = [];
     if (isShown) {
@@ -347,20 +361,14 @@ export class Space {
       });
     }
     if (at) marks.push({ place: [l1, at.l2, at.l3].map(toNumber), colour: colours.ink, form: FORMS.dot, size: CUSP + 2 });
-    const placeIn = (sample) => [sample.l1, sample.l2, sample.l3].map(Number);
     if (here) marks.push({ place: placeIn(here), colour: colours.loop, form: FORMS.dot, size: HERE });
     this.#drawing.marks(marks);
-    this.#drawing.lines("loop", path.length > 1 ? [{ points: path.map(placeIn), colour: colours.loop, width: 5 }] : [], { isTube: true });
-    this.#drawing.lines("limits", limits ? limitLines(limits, box).map((points) => ({ points, colour: colours.accent, width: 1.8 })) : []);
     const chosen = this.#chosenEdge;
     if (chosen !== this.#chosen) {
       this.#chosen = chosen;
       this.#drawEdges();
     } else this.#explain();
   }
-
-  #names = []; // of cusps: {place, name, index}
-  #chosen = -1; // the edge of the selected cusp
 
   #explain() {
     const kinds = new Set(this.#events.map(({ kind }) => kind));
@@ -490,8 +498,9 @@ export class Space {
 
   #render() {
     const { clientWidth: width, clientHeight: height } = this.#nodes.board;
-    const { lines, texts } = frameOf(this.#camera, this.#box, [width, height]);
-    this.#drawing.lines("walls", lines.map((points) => ({ points, colour: this.#colours.line, width: 1 })), { isBehind: true });
+    const { key, lines, texts } = frameOf(this.#camera, this.#box, [width, height]);
+    if (key !== this.#walls) this.#drawing.lines("walls", lines.map((points) => ({ points, colour: this.#colours.line, width: 1 })), { isBehind: true });
+    this.#walls = key;
     const axis = this.#leg - 1;
     const ticks = ticksOf(this.#box.low[axis], this.#box.high[axis], CONTOURS);
     this.#drawing.render(this.#camera, { axis, level: this.#drawnLevel, spacing: ticks[1] - ticks[0] || 1 });
@@ -530,6 +539,8 @@ export class Space {
 }
 
 const placeOf = ({ l2, l3 }, l1) => [l1, l2, l3].map(toNumber);
+
+const placeIn = ({ l1, l2, l3 }) => [l1, l2, l3].map(Number);
 
 /** The edges of the box of joint limits, within the box that is shown. */
 function limitLines(limits, { low, high }) {
