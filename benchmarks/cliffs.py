@@ -9,10 +9,10 @@ numbers, rounded to so many digits). Each is asked one kind of question, about a
 random length, else at one that is special. Every question is computed in a process of its own, which ends
 after 12 seconds of processor time.
 
-Prints a line for each answer that takes more than 3 seconds, or is cut, fails, or does not say which
-special shape is near, with its question as an item of a batch (`benchmarks.cost --again`). Then the table
-of shapes and kinds: the median and the longest of the times. Then the ratios of times and estimates, and
-the refusals.
+Prints a line for each answer that takes more than 3 seconds, differs from its estimate by more than a
+factor of 4, is cut, fails, or does not say which special shape is near, with its question as an item of a
+batch (`benchmarks.cost --again`). Then the table of shapes and kinds: the median and the longest of the
+times. Then the ratios of times and estimates, and the refusals.
 """
 
 from __future__ import annotations
@@ -50,6 +50,8 @@ KINDS = (
 EXPONENTS = (1, 3, 6, 9, 12, 14, 16, 20, 25, 30, 40)
 LIMIT, LONG = 12.0, 3.0
 """Seconds of processor time: of the process, and what is long."""
+_NEAR = 4
+"""By which factor a time may differ from its estimate."""
 Squares = tuple[Fraction, Fraction, Fraction]
 """The squared sides of a triangle, |12|, |23| and |31|."""
 
@@ -296,6 +298,7 @@ def main() -> None:
     load_solver()
     rng, times = Random(options.seed), defaultdict[tuple[str, str], list[float]](list)
     ratios, refusals = defaultdict[str, list[float]](list), Counter[tuple[str, str]]()
+    took_by = defaultdict[str, list[float]](list)
     names, kinds = options.shape or list(SHAPES), options.kind or KINDS
     with valkey() as url:
         for number in range(options.machines):
@@ -311,11 +314,14 @@ def main() -> None:
             took, ended, document = measured(request, url, LIMIT)
             estimate = max(request.cost.whole, LEAST)
             times[name, kind].append(took)
-            ratios[kind].append(took / estimate)
+            took_by[kind].append(took)
+            ratio = max(took, LEAST) / estimate
+            ratios[kind].append(ratio)
             says = document is None or _says(shape, exponent, one, document)
             if ended != "answered":
                 refusals[kind, ended] += 1
-            if took > LONG or ended != "answered" or not says:
+            is_priced = 1 / _NEAR < ratio < _NEAR
+            if took > LONG or ended != "answered" or not says or not is_priced:
                 item = json.dumps({"kind": kind, "request": body})
                 remark = "" if says else " (does not say what is near)"
                 print(
@@ -333,7 +339,9 @@ def main() -> None:
             own = sorted(ratios[kind])
             print(
                 f"{kind}: {len(own)} questions, times over estimates "
-                f"{own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}"
+                f"{own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}; "
+                f"within {_NEAR}: {sum(1 / _NEAR < x < _NEAR for x in own)}; "
+                f"over {LONG:g} s: {sum(x > LONG for x in took_by[kind])}"
             )
     for (kind, ended), count in sorted(refusals.items()):
         print(f"{kind}: {count} {ended}")

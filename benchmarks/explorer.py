@@ -10,6 +10,8 @@ The slides are of a manipulator that the service has not seen before, after a se
 ahead. Of how many pictures the slice is the one that the slider names while it is drawn is told, and how much
 later the others come than their length was named.
 
+While the joint vector is dragged, a picture is one of all its poses, which the page computes by itself.
+
 The joint space in three dimensions is opened and turned in a window of 1024 × 640 pixels, drawn by WebGL
 without a graphics processor: of the first example, and of a manipulator that the service has not seen before.
 """
@@ -49,6 +51,13 @@ WATCH = """() => {
     .observe(document.body, { attributeFilter: ["data-pictures"] });
 }"""
 """Notes each length that the slider names, and each that is drawn, and whether that is the one it names."""
+FOLLOW = """() => {
+  window.drawn = [];
+  const outlines = document.querySelector("#mechanism-board .ghost");
+  const note = () => window.drawn.push(outlines.getAttribute("d"));
+  new MutationObserver(note).observe(outlines, { attributeFilter: ["d"] });
+}"""
+"""Notes the outlines of all poses but one, each time that they are drawn."""
 OPTIONS = ("--no-sandbox", "--disable-dev-shm-usage", "--disable-background-networking")
 FLAT, WEBGL = ("--disable-gpu",), ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 UNSEEN = "#g=15.95,0.02,10.05,17.06,16.57,20.83,ccw&l1=27"
@@ -143,6 +152,24 @@ def dragging(page: Any, stack: Stack) -> str:
     return found
 
 
+def posing(page: Any) -> str:
+    """Returns how the joint vector is dragged through regions with two and with four poses."""
+    point = page.get_by_label("Joint vector")
+    box = point.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.evaluate(FOLLOW)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    start = time.perf_counter()
+    moves = 0
+    while (seconds := time.perf_counter() - start) < SECONDS:
+        page.mouse.move(x + 60 * math.sin(3 * seconds), y + 60 * (math.cos(3 * seconds) - 1))
+        moves += 1
+        time.sleep(max(0.0, start + moves / RATE - time.perf_counter()))
+    page.mouse.up()
+    return f"{len(set(page.evaluate('window.drawn'))) / seconds:.1f} pictures a second"
+
+
 def sliding(page: Any, stack: Stack, key: str) -> tuple[str, Iterable[str]]:
     """Returns how the slider is moved by a key, and the lengths that it names."""
     page.wait_for_selector("#l1-slider:not([disabled])")
@@ -215,6 +242,8 @@ def main() -> None:
         print(f"L1 slides, answers known to the service: {sliding(page, stack, 'ArrowLeft')[0]}")
         print(f"L1 slides back, answers known to the page: {sliding(page, stack, 'ArrowRight')[0]}")
         page, _ = opened(chromium, stack.url)
+        print(f"L2 and L3 are dragged, all poses follow: {posing(page)}")
+        page.locator("#mode-design").check()
         print(f"A3 is dragged, each time a new geometry: {dragging(page, stack)}")
     with serving() as stack, browser(WEBGL) as chromium:
         print(f"joint space of the first example: {space(chromium, stack, '')}")

@@ -19,6 +19,7 @@ html_theme = "furo"
 html_title = f"{project} {version}"
 html_static_path = ["theme"]
 html_css_files = ["pages.css"]
+html_search_scorer = str(Path(__file__).with_name("theme") / "scorer.js")
 html_use_index = False
 html_domain_indices = False
 html_copy_source = False

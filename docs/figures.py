@@ -29,6 +29,7 @@ from rpr_solver import (
     poses,
     singular_curves,
     with_sensitivities,
+    workspace,
 )
 from rpr_solver.figures.margins import margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure
@@ -97,6 +98,7 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "loop": _loop,
     "cusp": _cusp,
     "poses": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
+    "workspace": lambda: workspace(FIRST, 30, {"l1": (5, 30), "l2": (5, 25), "l3": (5, 25)}).figure(),
     "poses-along": lambda: leg_poses(FIRST, {"l1": 17, "l3": 15}, 0, 40, digits=15).figure(),
     "census": lambda: census(FIRST, digits=15).figure(),
     "locus": _locus,

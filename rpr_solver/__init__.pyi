@@ -67,6 +67,9 @@ from .paths.path import path_csv as path_csv
 from .paths.path_poses import PathPose as PathPose
 from .paths.pose_conditions import with_condition as with_condition
 from .paths.samples import PathSample as PathSample
+from .sensed.sensed_poses import SensedPose as SensedPose
+from .sensed.sensed_poses import SensedPoses as SensedPoses
+from .sensed.sensed_poses import sensed_poses as sensed_poses
 from .singular import SingularComponent as SingularComponent
 from .singular import SingularCurves as SingularCurves
 from .singular import singular_csv as singular_csv
@@ -107,5 +110,15 @@ from .verify.claims import ClaimStatus as ClaimStatus
 from .verify.claims import Verdict as Verdict
 from .verify.claims import Verification as Verification
 from .verify.documents import verify_document as verify_document
+from .workspaces.conic import ConicKind as ConicKind
+from .workspaces.workspace import SweptWorkspace as SweptWorkspace
+from .workspaces.workspace import Workspace as Workspace
+from .workspaces.workspace import WorkspaceArc as WorkspaceArc
+from .workspaces.workspace import WorkspaceRegion as WorkspaceRegion
+from .workspaces.workspace import WorkspaceSweep as WorkspaceSweep
+from .workspaces.workspace import WorkspaceVertex as WorkspaceVertex
+from .workspaces.workspace import workspace as workspace
+from .workspaces.workspace import workspace_csv as workspace_csv
+from .workspaces.workspace import workspace_sweep as workspace_sweep
 
 __version__: str

@@ -33,10 +33,12 @@ MAY_IMPORT = {
     "rpr_solver.modes": "errors contract notebook boxes exact triangles legs model slices "
     "transitions singular paths",
     "rpr_solver.along": "errors contract notebook exact triangles model slices singular paths modes",
+    "rpr_solver.workspaces": "errors contract notebook exact triangles model",
+    "rpr_solver.sensed": "errors contract notebook exact triangles model workspaces",
     "rpr_solver.exports": "contract errors notebook exact triangles model slices paths",
     "rpr_solver.figures": "errors contract notebook triangles",
     "rpr_solver": "errors contract notebook figures exact triangles model slices transitions "
-    "margins article curves paths modes along designs singular verify exports",
+    "margins article curves paths modes along workspaces sensed designs singular verify exports",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",

@@ -263,6 +263,8 @@ def held_lengths(lengths: Mapping[str, Exact]) -> dict[str, Fraction]:
 def poses_csv(document: Mapping[str, Any]) -> str:
     """The document of poses as CSV: a line for each pose; of poses along a leg, a line for each interval.
 
+    Those with angles of legs have all lengths, and by how much further angles are off.
+
     >>> from rpr_solver import EXAMPLES
     >>> found = leg_poses(EXAMPLES["zein-flat"], {"l1": 17, "l3": 15}, digits=15)
     >>> print(poses_csv(found.to_json()).replace("\\r", ""), end="")
@@ -273,11 +275,15 @@ def poses_csv(document: Mapping[str, Any]) -> str:
     """
     if "intervals" in document:
         return csv_text(("from", "to", "count", "at"), document["intervals"])
-    names = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
+    names = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y")
     rows = document["poses"]
     asked = ("condition", "clearance_deg") if "condition" in document else ()
     given = ("x", "y", "phi_deg") if any("x" in pose for pose in rows) else ()
-    return csv_text((*names, *asked, *given), rows)
+    if "sensed" not in document:
+        return csv_text((*names, "multiplicity", *asked, *given), rows)
+    rows = [{**pose, **{f"off_{name}": text for name, text in pose["off_deg"].items()}} for pose in rows]
+    off = [f"off_{name}" for name in document["sensed"] if name not in document["solved_from"]]
+    return csv_text((*names, *_NAMES, *given, *off), rows)
 
 
 def _is_inside(fold: Fold, span: LengthRange, scale: Fraction) -> bool:

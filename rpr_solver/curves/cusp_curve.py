@@ -280,7 +280,8 @@ def tracks(survey: Survey, tracker: Tracker, progress: Progress) -> Tracks:
     begin(0, range(survey.slices[0].count))
     for k, (below, above) in enumerate(pairwise(survey.slices)):
         names = {everything[name].cusps[k]: name for name in alive}
-        met = tracker.destinations(alive, below.length, above.length)
+        starts = {(below.length, index): name for index, name in names.items()}
+        met = tracker.destinations(alive, below.length, above.length, starts=starts)
         for name, (length, index) in met.items():
             if length == above.length:
                 everything[name].cusps[k + 1] = index

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from itertools import pairwise
 
 from flint import arb, ctx
 
@@ -32,7 +33,8 @@ from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.slice_table import SliceTable
 
 _FIRST_BITS = 128
-_FIRST_REACH = Fraction(1, 32)
+_UNIT_TERMS = 16
+"""The terms of a tube that takes one unit of work more than a trial that fails."""
 
 
 class Lost(ControlFlow):
@@ -47,7 +49,8 @@ class Follower:
 
     Attributes:
         tube: the last tube; None before the first step.
-        work: the tubes that were tried, each counted once for every 256 bits of its precision.
+        work: the tubes that were tried, by their terms and their precision: a unit takes one to three
+            milliseconds.
     """
 
     def __init__(
@@ -56,7 +59,6 @@ class Follower:
         self._forms = forms
         self._start, self._begin, self._upwards = start, length, upwards
         self._bits = _FIRST_BITS
-        self._reach = ball_of(_FIRST_REACH)
         self.tube: Tube | None = None
         self.work = 0
 
@@ -85,40 +87,46 @@ class Follower:
             with ctx.workprec(bits):
                 return self._next(ball_of(low), ball_of(high))
 
-        following = decided_or_none(tube, self._bits, TUBE_BITS)
+        # a narrow place behind may have needed more bits
+        following = decided_or_none(tube, max(_FIRST_BITS, self._bits // 2), TUBE_BITS)
         if following is None:
             raise Lost
-        self.tube, self._reach = following, 2 * following.reach
+        self.tube = following
+        self.work += following.terms // _UNIT_TERMS * max(1, self._bits // 256)
 
     def _next(self, low: arb, high: arb) -> Tube | None:
         if self.tube is None:
             around = Neighbourhood.at(self._forms, self._start(self._bits), ball_of(self._begin), self._bits)
-            return build(around, ALONG_L, self._upwards, self._reach)
+            return build(around, ALONG_L, self._upwards)
         tube = self.tube
         around = Neighbourhood.at(self._forms, *tube.end(), self._bits)
         heading = around.heading(tube.axis, tube.forwards)
         if heading is None:
             return None
         axis, forwards, upwards = heading
+        terms = tube.terms // 2
         if axis == ALONG_L:
-            return build(around, axis, forwards, self._reach)
-        across = build(around, axis, forwards, self._reach, between=(low, high))
-        if (across and across.reach * 4 > self._reach) or upwards is None:
+            return build(around, axis, forwards, terms=terms)
+        across = build(around, axis, forwards, between=(low, high), terms=terms)
+        if (across and across.reach * 4 > across.most) or upwards is None:
             return across
-        worth = (axis, across.reach) if across else None
-        return build(around, ALONG_L, upwards, self._reach, worth=worth) or across
+        along = build(around, ALONG_L, upwards)
+        return along if along and (across is None or along.advance(axis) > across.reach) else across
 
 
 _TUBES_A_TURN = 16
-_PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
-"""The budget of tubes for one cusp: between slices of a survey, and between arbitrary slices."""
+_PATIENCE, _NEAR_PATIENCE, _GREAT_PATIENCE = 64, 192, 1 << 13
+"""The budget of tubes for one cusp: between slices of a survey, also if some are close, as beside special
+shapes, and between arbitrary slices."""
+_CLOSE = Fraction(1, 10**5)
+"""How close, as a share of their length, slices of a survey are beside special shapes."""
 _TOO_MUCH = (
     "the cusps could not be followed within a bound of work: slices with different numbers of cusps are too "
     "close to each other, as those of a manipulator that nearly has a special shape"
 )
-_MOST_WORK = 5000
-"""The greatest work between all slices of a survey, or between two others: a few seconds. All curves of a
-manipulator with 18 cusps take 2,400; beside a special shape some take more than 50,000."""
+_MOST_WORK = 2000
+"""The greatest work between all slices of a survey, or between two others: four to seven seconds. All curves
+of a manipulator with 18 cusps take 400; beside a special shape most take 400 to 1,800."""
 
 Cusp = tuple[Fraction, int]
 """A cusp by the length of its slice and its index in the table, from 0."""
@@ -135,6 +143,11 @@ class Tracker:
         self.forms = CuspForms(eliminant.slice_map)
         self._tables = {(table.length, digits): table for table in known}
         self._left = _MOST_WORK
+        lengths = sorted(length for length, _ in self._tables)
+        is_near = any(
+            above - below < _CLOSE * above or below < _CLOSE * above for below, above in pairwise(lengths)
+        )
+        self._patience = _NEAR_PATIENCE if is_near else _PATIENCE
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
         """The table of a slice, cached."""
@@ -159,18 +172,20 @@ class Tracker:
         high: Fraction,
         *,
         until_full: Fraction | None = None,
+        starts: Mapping[Cusp, int] | None = None,
     ) -> dict[int, Cusp]:
         """The first cusp of two slices that each follower reaches, without leaving the lengths between.
 
         Followers that reach neither slice are omitted. With ``until_full``, stop as soon as every cusp of
-        that slice has been matched, and spend a larger budget until then.
+        that slice has been matched, and spend a larger budget until then. ``starts`` names followers by the
+        cusps at which they stand: if one comes to the cusp of another, the other comes to that of the one.
 
         Raises:
             Unproved: the curves take too many tubes.
         """
         if until_full is not None:
             self._left = _MOST_WORK
-        patience = _PATIENCE if until_full is None else _GREAT_PATIENCE
+        patience = self._patience if until_full is None else _GREAT_PATIENCE
         met: dict[int, Cusp] = {}
         still_free = None if until_full is None else self.table(until_full).count
         waiting = deque((name, follower, 0) for name, follower in followers.items())
@@ -178,6 +193,8 @@ class Tracker:
         scaled_low, scaled_high = ends
         while waiting and still_free != 0:
             name, follower, spent = waiting.popleft()
+            if name in met:
+                continue
             if self._left <= 0:
                 raise Unproved(_TOO_MUCH)
             self._left += follower.work
@@ -191,6 +208,9 @@ class Tracker:
                 scaled, place = arrival
                 length = ends[scaled]
                 met[name] = length, self._index(place, length)
+                other = (starts or {}).get(met[name])
+                if other is not None:
+                    met[other] = next(cusp for cusp, its in (starts or {}).items() if its == name)
                 if still_free is not None and length == until_full:
                     still_free -= 1
             elif spent < patience:

@@ -1,8 +1,8 @@
 """J = E = 0 about one of its points, expanded exactly in local coordinates.
 
-The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = δL/L, numbered 0, 1, 2. Rotating the half angles
-moves the point to x = y = 0, so it is never at infinity. Angles are those of the turns of the forms
-(model/bridge.py), and forms are taken at the tangents of their halves.
+The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = (L − L₀)/(L + L₀), numbered 0, 1, 2. Rotating the
+half angles moves the point to x = y = 0, so it is never at infinity; all lengths > 0 are −1 < z < 1. Angles
+are those of the turns of the forms (model/bridge.py), and forms are taken at the tangents of their halves.
 """
 
 from __future__ import annotations
@@ -124,7 +124,11 @@ class Frame:
 
     def of_length(self, length: arb) -> arb:
         """The coordinate z of a length."""
-        return (length - self.length) / self.length
+        return (length - self.length) / (length + self.length)
+
+    def length_at(self, z: arb) -> arb:
+        """The length at a coordinate z."""
+        return self.length * (1 + z) / (1 - z)
 
     def outside(self, x: arb, y: arb) -> PoseBox:
         """The box with these local coordinates."""
@@ -132,13 +136,12 @@ class Frame:
         return PoseBox(alpha, theta)
 
     def expanded(self, *forms: Expansion) -> Iterator[Expansion]:
-        """Forms by powers of z, those of x down and of y across."""
+        """Forms, times (1 − z)², by powers of z, those of x down and of y across."""
         left, right = _moved(self.alpha).transpose(), _moved(self.theta)
         for form in forms:
-            none = form[0] * 0
-            c0, c1, c2 = [c * self.length**k for k, c in enumerate((*form, none)[:3])]
-            third = left * c2 * right if len(form) > 2 else none
-            yield [left * (c0 + c1 + c2) * right, left * (c1 + c2 * 2) * right, third]
+            c0, c1, c2 = [left * (c * self.length**k) * right for k, c in enumerate((*form, form[0] * 0)[:3])]
+            # c0 (1 − z)² + c1 (1 + z) (1 − z) + c2 (1 + z)²
+            yield [c0 + c1 + c2, (c2 - c0) * 2, c0 - c1 + c2]
 
 
 def _moved(origin: Two) -> arb_mat:
@@ -191,7 +194,7 @@ class Neighbourhood:
 
     def _gradient(self, form: Expansion) -> Three:
         x, y, z = self.box
-        [table] = values([at_parameter(form, z)], x, y)
+        [table] = tables([at_parameter(form, z)], x, y)
         [slope] = value_of_each([form[1] + form[2] * (2 * z)], x, y)
         return table[1, 0], table[0, 1], slope
 
@@ -211,16 +214,17 @@ def value_of_each(forms: Sequence[arb_mat], p: arb, q: arb) -> list[arb]:
     return [(left * form * right)[0, 0] for form in forms]
 
 
-def values(forms: Sequence[arb_mat], p: arb, q: arb) -> list[arb_mat]:
-    """[[value, ∂/∂q], [∂/∂p, ∂²/∂p∂q]] at (p, q) of forms of one size."""
+def tables(forms: Sequence[arb_mat], p: arb, q: arb) -> list[arb_mat]:
+    """The derivatives of forms of one size at (p, q), up to the second: those in p down, in q across."""
     left, right = _table(p, forms[0].nrows()), _table(q, forms[0].ncols()).transpose()
     return [left * form * right for form in forms]
 
 
 def _table(x: arb, size: int) -> arb_mat:
-    """1, x, x², … and, below, their derivatives."""
+    """1, x, x², … and, below, their first and second derivatives."""
     powers = _powers(x, size)
-    return arb_mat([powers, [arb(0), *((k + 1) * powers[k] for k in range(size - 1))]])
+    slopes = [arb(0), *((k + 1) * powers[k] for k in range(size - 1))]
+    return arb_mat([powers, slopes, [arb(0), *((k + 1) * slopes[k] for k in range(size - 1))]])
 
 
 def _powers(x: arb, size: int) -> list[arb]:

@@ -116,8 +116,20 @@ def simple_and_other_roots(polynomial: QuadraticPoly) -> tuple[list[RealRoot], l
     return simple, list(exact_roots(factors))
 
 
-def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> list[ExactRoot]:
-    """The exact roots of A + ω B equal to some of its real roots; other factors of the norm are not used.
+def factor_at(root: RealRoot, factors: Sequence[NormFactor]) -> NormFactor | None:
+    """The factor of the norm of which a root of A + ω B is one; None if balls do not tell it from others."""
+    v = root.refined(_APART_BITS)
+    with ctx.workprec(_APART_BITS):
+        near = [
+            factor
+            for factor in factors
+            if QuadraticPoly.rational(factor.polynomial).ball(_APART_BITS)(v).contains(0)
+        ]
+    return near[0] if len(near) == 1 else None
+
+
+def exact_counterparts(roots: Sequence[RealRoot], factors: Sequence[NormFactor]) -> list[ExactRoot]:
+    """The exact roots of A + ω B, given by its factors, equal to some of its real roots.
 
     Raises:
         Unproved: their number field is too large.
@@ -128,14 +140,14 @@ def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> 
         own = root.refined(_APART_BITS)
         return any(own.overlaps(ball) for ball in balls)
 
-    factors = [
-        _norm_factor(polynomial, factor, exponent)
-        for factor, exponent in polynomial.norm.factor()[1]
-        if any(map(matches, real_roots(QuadraticPoly.rational(factor))))
+    used = [
+        factor
+        for factor in factors
+        if any(map(matches, real_roots(QuadraticPoly.rational(factor.polynomial))))
     ]
-    for factor in factors:
+    for factor in used:
         _check_size(factor.polynomial)
-    counterparts = [root for root in exact_roots(factors) if matches(root.root)]
+    counterparts = [root for root in exact_roots(used) if matches(root.root)]
     if len(counterparts) != len(roots):
         raise Unproved("a root was lost between balls and exact arithmetic")
     return counterparts

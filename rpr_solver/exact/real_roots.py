@@ -29,7 +29,7 @@ _CUTS = 4
 """How many times an interval is cut between two trials of a Newton step, which cost as much."""
 _UNEQUAL = 3
 """Bits by which the ends of an interval differ that is cut by size."""
-_STURM_BITS = (256, 512, 1024, 2048, 4096)
+_STURM_BITS = (256, 512, 1024, 2048, 4096, 8192, 16384)
 _SWIFT_BITS = 64
 """By this many bits FLINT's iteration has converged, or Sturm's theorem is faster."""
 

@@ -131,7 +131,8 @@ def poses_figure(document: Mapping[str, Any], pose: int = 1) -> Figure:
         shape.placed(number(p["alpha_deg"]), complex(shape.length(p["b1_x"]), shape.length(p["b1_y"])))
         for p in table
     ]
-    legs = [document[f"l{k}"] for k in (1, 2, 3)]
+    own = document if "l1" in document else table[pose - 1]
+    legs = [own[f"l{k}"] for k in (1, 2, 3)]
     one = len(table) == 1
     title = "The only pose with these legs" if one else f"Pose {pose} of {len(table)} with these legs"
     others = "" if one else " The other poses with the same legs are drawn lightly, with their numbers."

@@ -18,6 +18,7 @@ from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.margins import sensitivities_figure
 from rpr_solver.figures.mechanism import geometry_figure, poses_figure
 from rpr_solver.figures.torus import torus_figure
+from rpr_solver.figures.workspace import sweep_figure, workspace_figure
 from rpr_solver.notebook.figure import Figure
 
 
@@ -37,6 +38,8 @@ _FIGURES: Mapping[str, Callable[..., Figure]] = {
     "trace": design_figure,
     "matrix": connections_figure,
     "moving_leg": along_figure,
+    "conic": workspace_figure,
+    "orientations": sweep_figure,
     "poses": poses_figure,
     "components": _by_view({"joints": joint_figure, "torus": torus_figure}),
     "transitions": _by_view({"counts": census_figure, "sensitivities": sensitivities_figure}),
@@ -53,7 +56,8 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
 
     Args:
         document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, poses
-            along a leg, connections of poses, a design, or a geometry, as ``to_json()`` gives it.
+            along a leg, a workspace, connections of poses, a design, or a geometry, as ``to_json()`` gives
+            it.
         options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``view`` (``"counts"``, or
             ``"sensitivities"`` if it has them) of a census, ``view`` (``"space"`` or ``"projections"``)
             of curves of cusps, ``pose`` (a number) of a table of poses, ``curves`` (the singular curves of
@@ -69,5 +73,5 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     for member, draw in _FIGURES.items():
         if member in document:
             return draw(document, **options)
-    known = "curves, a census, a path, poses, connections, a design or a geometry"
+    known = "curves, a census, a path, poses, a workspace, connections, a design or a geometry"
     raise InputError.of("document", f"has no figure; give {known}")

@@ -39,7 +39,7 @@ def in_given_frame(frame: UserFrame, pose: Sequence[str], digits: int) -> tuple[
     with ctx.workprec(working_bits(digits)):
         alpha, b1x, b1y = map(enclosed, pose)
         x, y, phi = placed(frame, (alpha * arb.pi() / 180, b1x, b1y), digits)
-        return x, y, angle_text(_rounded(phi, arb(1), digits))
+        return x, y, angle_text(settled(phi, arb(1), digits))
 
 
 def working_bits(digits: int) -> int:
@@ -62,7 +62,7 @@ def placed(frame: UserFrame, pose: tuple[arb, arb, arb], digits: int) -> tuple[s
     unit = sum((abs(surd.ball()) for surd in places), abs(b1x) + abs(b1y))
     # where the direction meets the negative x-axis its angle is that of the opposite one, plus 180
     phi = direction(c, s) if not (s.contains(0) and c < 0) else 180 + direction(-c, -s)
-    return _rounded(x, unit, digits), _rounded(y, unit, digits), phi
+    return settled(x, unit, digits), settled(y, unit, digits), phi
 
 
 class Course:
@@ -78,10 +78,10 @@ class Course:
         degrees = float(alpha * 180 / arb.pi())
         if self._ahead is None:
             self._ahead = float(phi) - degrees
-            return x, y, angle_text(_rounded(phi, arb(1), self._digits))
+            return x, y, angle_text(settled(phi, arb(1), self._digits))
         # a whole number of turns, nearly
         phi += 360 * round((degrees + self._ahead - float(phi)) / 360)
-        return x, y, _rounded(phi, arb(1), self._digits)
+        return x, y, settled(phi, arb(1), self._digits)
 
 
 def enclosed(text: str) -> arb:
@@ -90,7 +90,8 @@ def enclosed(text: str) -> arb:
     return arb(0) if text == "0" else arb(f"{text} +/- 1e{exponent}")
 
 
-def _rounded(x: arb, unit: arb, digits: int) -> str:
+def settled(x: arb, unit: arb, digits: int) -> str:
+    """A number with so many digits, as this module's first lines say; ``unit`` is the size of its terms."""
     if text := round_ball(x, digits):
         return text
     if abs(x) < unit * arb(10) ** (-2 * digits):

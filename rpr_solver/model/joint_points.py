@@ -169,12 +169,13 @@ class ExactPose:
     def is_at(self, other: ExactPose) -> bool:
         """Whether both poses have the same α and θ, also if their number fields differ."""
         first, second = self.local.pose, other.local.pose
-        return _same_angle((first.cos_alpha, first.sin_alpha), (second.cos_alpha, second.sin_alpha)) and (
-            _same_angle((first.cos_theta, first.sin_theta), (second.cos_theta, second.sin_theta))
+        return same_angle((first.cos_alpha, first.sin_alpha), (second.cos_alpha, second.sin_alpha)) and (
+            same_angle((first.cos_theta, first.sin_theta), (second.cos_theta, second.sin_theta))
         )
 
 
-def _same_angle(first: tuple[Algebraic, Algebraic], second: tuple[Algebraic, Algebraic]) -> bool:
+def same_angle(first: tuple[Algebraic, Algebraic], second: tuple[Algebraic, Algebraic]) -> bool:
+    """Whether two turns are equal, also if their number fields differ."""
     x, y = tan_half(*first), tan_half(*second)
     return x is None and y is None if x is None or y is None else same_number(x, y)
 

@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain, islice, pairwise
-from math import floor, hypot, inf, log10, pi
+from math import floor, frexp, hypot, inf, ldexp, log10, pi
 from typing import Any, NamedTuple
 
 from rpr_solver.errors import SolverError
@@ -36,6 +36,10 @@ _CLEAR = 1e-7
 _ASIDE = 0.17
 _MOST_ASIDE = 2
 """How many slices aside are tried."""
+_GREATEST_EXPONENT = 300
+"""Of the size of a picture, as a power of 2 or its inverse: doubles hold the squares."""
+_MOST_PLACES = 290
+"""Of decimals that a double holds as integers."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +111,7 @@ class Picture:
         least: regions that are points of the drawing.
         extent: the size of the picture.
         tolerance: the deviation of the curves, relative to it.
+        exponent: the drawn curves, points and sizes are in the user's unit times 2 to this power.
     """
 
     slice_map: SliceMap
@@ -117,6 +122,25 @@ class Picture:
     least: Sequence[Point]
     extent: float
     tolerance: float
+    exponent: int = 0
+
+    def in_doubles(self, extent: float) -> Picture:
+        """The same in a unit in which doubles hold the squares of lengths, for a picture of this extent.
+
+        It is the user's but for a power of 2, by which no digits change.
+        """
+        exponent = frexp(extent)[1]
+        if abs(exponent) <= _GREATEST_EXPONENT:
+            return self
+        return replace(
+            self,
+            floats=replace(self.floats, unit=ldexp(self.floats.unit, exponent)),
+            curves=[replace(x, points=_scaled(x.points, -exponent)) for x in self.curves],
+            cusps=_scaled(self.cusps, -exponent),
+            least=_scaled(self.least, -exponent),
+            extent=ldexp(self.extent, -exponent),
+            exponent=exponent,
+        )
 
     @property
     def finest(self) -> float:
@@ -142,7 +166,7 @@ class Picture:
         face too narrow for floats is one if it reaches from a cusp to another one, as that of lips or a
         swallowtail.
         """
-        point, clearance = next(_inner_points(face, _LEVELS))
+        point, clearance = next(_inner_points(face, _LEVELS, self.exponent))
         if clearance < self.finest:
             tips = [tip for tip in self.cusps if _touches(face, [tip])]
             return any(hypot(x[0] - y[0], x[1] - y[1]) > self.finest for x, y in pairwise(tips))
@@ -158,9 +182,14 @@ def regions_of(picture: Picture, aside: Iterable[Picture]) -> Regions:
             since curves cross in it that do not, these are tried in turn.
 
     Raises:
-        SolverError: a number of poses contradicts the winding number.
+        SolverError: a number of poses contradicts the winding number, or doubles do not tell points apart.
     """
-    best = drawn = _Listed.of(picture, picture, faces(picture.drawable()))
+    aside = (other.in_doubles(picture.extent) for other in aside)
+    picture = picture.in_doubles(picture.extent)
+    drawable = picture.drawable()
+    if picture.curves and not drawable:
+        raise SolverError("the curves are too small beside their distance from 0 for double precision")
+    best = drawn = _Listed.of(picture, picture, faces(drawable))
     separate = picture.separated()
     if not drawn.others and (separate is None or separate[1]):
         return drawn.regions
@@ -178,11 +207,12 @@ def regions_of(picture: Picture, aside: Iterable[Picture]) -> Regions:
 
 
 class _Listed(NamedTuple):
-    """The regions of a drawing, its faces, and how many others of these there are."""
+    """The regions of a drawing, its faces, how many others there are, and the exponent of its unit."""
 
     regions: Regions
     faces: Sequence[Face]
     others: int
+    exponent: int
 
     @classmethod
     def of(cls, picture: Picture, own: Picture, found: Sequence[Face]) -> _Listed:
@@ -193,18 +223,18 @@ class _Listed(NamedTuple):
         thin = [face for face, region in proved if region is None and own.is_thin_region(face)]
         missed = sum(not any(_touches(face, [place]) for face in thin) for place in own.least)
         regions = Regions(tuple(region for _, region in wide), len(thin) + missed)
-        return cls(regions, found, len(found) - len(wide) - len(thin))
+        return cls(regions, found, len(found) - len(wide) - len(thin), own.exponent)
 
     def is_alike(self, closer: _Listed) -> bool:
         """Whether its regions are in different faces of a closer drawing that has as many."""
         regions = self.regions.regions
-        homes = {_home(closer.faces, region) for region in regions}
+        homes = {_home(closer.faces, region, self.exponent) for region in regions}
         return len(homes) == len(regions) == len(closer.regions.regions)
 
 
-def _home(found: Sequence[Face], region: Region) -> int:
+def _home(found: Sequence[Face], region: Region, exponent: int) -> int:
     """The face that holds the point of a region; −1 for the unbounded one."""
-    x, y = map(float, region.point)
+    x, y = (ldexp(float(x), -exponent) for x in region.point)
     return next((k for k, face in enumerate(found) if face.bounded and face.holds((x, y))), -1)
 
 
@@ -222,12 +252,13 @@ def _region(picture: Picture, face: Face, cusps: Sequence[Point]) -> Region | No
     Several points are tried, since one may be special: the image of a whole component may be a point.
     """
     finest, tolerance = picture.finest, picture.tolerance * picture.extent
-    points = _inner_points(face, _LEVELS)
+    exponent = picture.exponent
+    points = _inner_points(face, _LEVELS, exponent)
     point, clearance = next(points)
     if (
         clearance < tolerance and abs(polygon_area(face.rings[0])) > pi * tolerance**2
     ):  # it may be wide elsewhere
-        points = _inner_points(face, (*_LEVELS, *_MANY_LEVELS))
+        points = _inner_points(face, (*_LEVELS, *_MANY_LEVELS), exponent)
         point, clearance = next(points)
     if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
         return None
@@ -235,7 +266,8 @@ def _region(picture: Picture, face: Face, cusps: Sequence[Point]) -> Region | No
     for place in chain((point,), (other for other, room in points if room > finest)):
         poses = picture.poses(place)
         if poses == 2 * face.winding:
-            return Region(poses, place, face.rings, face.bounded)
+            rings = tuple(_scaled(ring, exponent) for ring in face.rings)
+            return Region(poses, place, rings, face.bounded)
     if wide:
         raise SolverError(
             "the regions could not be drawn: one has another number of poses than its boundary says"
@@ -272,15 +304,23 @@ def _drawable(curves: Sequence[Polyline], finest: float) -> Iterator[Polyline]:
         yield Polyline(tuple(points), name(start), name(end), tuple(angles))
 
 
-def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[Fraction, Fraction], float]]:
-    """Rational points in a face with their distances from the boundary, the farthest first.
+def _scaled(points: Sequence[Point], exponent: int) -> tuple[Point, ...]:
+    """Points times a power of 2."""
+    return tuple((ldexp(x, exponent), ldexp(y, exponent)) for x, y in points) if exponent else tuple(points)
+
+
+def _inner_points(
+    face: Face, levels: Sequence[float], exponent: int
+) -> Iterator[tuple[tuple[Fraction, Fraction], float]]:
+    """Rational points in a face, in the user's unit, with their distances from the boundary, farthest first.
 
     One is tried at each of the levels between its least and its greatest second coordinate.
     """
     xs, ys = zip(*([point for ring in face.rings for point in ring] or [(1.0, 1.0)]), strict=True)
     if not face.bounded:
         x, y = 2 * max(xs), 2 * max(ys)
-        yield (Fraction(floor(x) + 1), Fraction(floor(y) + 1)), min(x, y)
+        [(far_x, far_y)] = _scaled([(x, y)], exponent)
+        yield (Fraction(floor(far_x) + 1), Fraction(floor(far_y) + 1)), min(x, y)
         return
     edges = [edge for ring in face.rings for edge in pairwise(ring)]
     low, high = min(ys), max(ys)
@@ -294,13 +334,12 @@ def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[F
         if distance > clearance:
             best, clearance = (x, y), distance
     if clearance < _CLEAR * (high - low + max(xs) - min(xs)):
-        yield (_short(best[0], 1e-9 * abs(best[0])), _short(best[1], 1e-9 * abs(best[1]))), 0.0
+        yield _decimal(best, [1e-9 * abs(x) for x in best], exponent), 0.0
         return
     for place in (best, *others):
         room = clearance if place == best else _distance(place, edges)
         if room > 0:
-            first, second = (_short(x, room / 4) for x in place)
-            yield (first, second), room / 2
+            yield _decimal(place, [room / 4] * 2, exponent), room / 2
 
 
 def _widest_gap(edges: Sequence[tuple[Point, Point]], y: float) -> tuple[float, float]:
@@ -312,9 +351,19 @@ def _widest_gap(edges: Sequence[tuple[Point, Point]], y: float) -> tuple[float, 
     return max(((b - a, (a + b) / 2) for a, b in pairs), default=(0.0, 0.0))
 
 
+def _decimal(point: Point, errors: Sequence[float], exponent: int) -> tuple[Fraction, Fraction]:
+    """A point in the user's unit, with few digits."""
+    first, second = (
+        _short(ldexp(x, exponent), ldexp(e, exponent)) for x, e in zip(point, errors, strict=True)
+    )
+    return first, second
+
+
 def _short(x: float, error: float) -> Fraction:
     """A decimal > 0 with few digits near x."""
     places = max(0, -floor(log10(error))) if error > 0 else 12
+    if places > _MOST_PLACES:
+        return max(round(Fraction(x), places), Fraction(1, 10 ** (places + 1)))
     return max(Fraction(round(x * 10**places), 10**places), Fraction(1, 10 ** (places + 1)))
 
 

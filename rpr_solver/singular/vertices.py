@@ -205,7 +205,7 @@ def exact_line(chart: Chart, line: Line) -> ExactRoot:
     """The u of a critical line in a number field."""
     if line.exact is not None:
         return line.exact
-    [root] = exact_counterparts([line.root], chart.discriminant.polynomial)
+    [root] = exact_counterparts([line.root], norm_factors(chart.discriminant.polynomial))
     return root
 
 

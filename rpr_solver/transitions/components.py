@@ -48,7 +48,7 @@ from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import ExactPose, PoseKind, common_poses, tan_half
 from rpr_solver.model.slice_map import Leg, SliceMap, excess, half_angles, slopes
 from rpr_solver.transitions.event_systems import Event, Landmark, System
-from rpr_solver.transitions.exact_events import event, event_at, limits_at, special_lengths
+from rpr_solver.transitions.exact_events import DirectedEvent, event, event_at, limits_at, special_lengths
 
 _T, _U, _L = range(3)
 _NEAR, _NEAR_BITS = Fraction(1, 1 << 20), 64
@@ -232,14 +232,16 @@ def distinct(group: Sequence[Event]) -> list[Event]:
 def once(group: Sequence[Event]) -> list[Event]:
     """Events of one L, each exact pose once: it may solve several systems."""
     kept: list[Event] = []
-    poses: list[ExactPose] = []
     for each in group:
-        if isinstance(each.pose, ExactPose):
-            if any(map(each.pose.is_at, poses)):
-                continue
-            poses.append(each.pose)
-        kept.append(each)
+        if not any(_is_again(each, other) for other in kept):
+            kept.append(each)
     return kept
+
+
+def _is_again(x: Event, y: Event) -> bool:
+    if isinstance(x, DirectedEvent) and isinstance(y, DirectedEvent):
+        return x.is_at(y)
+    return isinstance(x.pose, ExactPose) and isinstance(y.pose, ExactPose) and x.pose.is_at(y.pose)
 
 
 def _lasts(slice_map: SliceMap, pose: Pose[Algebraic], landmark: Landmark) -> bool:

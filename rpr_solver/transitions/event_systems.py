@@ -30,6 +30,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from math import lcm
 from typing import Protocol
 
@@ -41,6 +42,7 @@ from rpr_solver.exact import decided
 from rpr_solver.exact.biform import RING, BiForm, scale
 from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.elimination import resultant
+from rpr_solver.exact.factors import NormFactor, norm_factors
 from rpr_solver.exact.number_field import (
     Algebraic,
     Polynomial,
@@ -224,6 +226,11 @@ class System:
     second: BiForm
     eliminant: Form
     limit: Limit | None = None
+
+    @cached_property
+    def factors(self) -> list[NormFactor]:
+        """Those of the eliminant: they take a third of a second where its norm has 25,000 bits."""
+        return norm_factors(self.eliminant.polynomial)
 
     @classmethod
     def of(

@@ -17,13 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import islice
-from typing import Any
+from typing import Any, Literal
 
-from flint import arb, arb_mat, ctx, nmod, nmod_poly
+from flint import arb, arb_mat, ctx, fmpz_poly, nmod, nmod_poly
 
-from rpr_solver.exact.factors import ExactRoot, roots_of
+from rpr_solver.exact import decided
+from rpr_solver.exact.factors import ExactRoot, minimal_polynomial, roots_of, same_number
 from rpr_solver.exact.modular import primes, sylvester
 from rpr_solver.exact.number_field import (
     Algebraic,
@@ -38,10 +39,21 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
+from rpr_solver.exact.precision import GREATEST_BITS
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.model.bridge import Bridge
 from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.joint_points import ExactPose, PoseKind, place, poses_at
+from rpr_solver.model.joint_points import ExactPose, PoseKind, classify, place, poses_at, same_angle
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.transitions.event_systems import Landmark, NotGeneric, System
+from rpr_solver.transitions.event_systems import (
+    BallPose,
+    Coordinates,
+    Event,
+    Landmark,
+    NotGeneric,
+    System,
+)
 
 _MOST_PRIMES = 200
 
@@ -129,24 +141,124 @@ def _coprime(multiples: Sequence[tuple[nmod_poly, int]]) -> bool:
 _APART_BITS = 512
 
 
-def events_above(system: System, root: ExactRoot | None) -> Iterator[Landmark]:
+def events_above(system: System, root: ExactRoot | None) -> Iterator[Event]:
     """The events among the common zeros of a system above one root v; None is v = ∞."""
-    for pose in located_poses(system, root):
-        yield from event(system.slice_map, pose)
+    for pose in _with_lengths(system, root):
+        yield from _event_in_direction(system.slice_map, pose)
+
+
+@dataclass(frozen=True, eq=False)
+class DirectedEvent:
+    """An event at a pose in a number field, with a direction (x, y) that is not of length 1.
+
+    Attributes:
+        kind: of the pose.
+        local: the pose, with x = ±1, or x = 0 and y = ±1, and with L > 0 over the length of the direction.
+    """
+
+    kind: PoseKind
+    local: LocalMap[Algebraic]
+    lasting: Literal[False] = False
+
+    @property
+    def pose(self) -> BallPose:
+        """The degenerate pose."""
+        return BallPose(self.kind, self.coordinates, self.exact)
+
+    @cached_property
+    def square(self) -> Algebraic:
+        """L² (scaled)."""
+        pose = self.local.pose
+        return pose.length * pose.length * _square(pose, self.local.slice_map.rho)
+
+    @cached_property
+    def exact_length(self) -> Algebraic:
+        """L (scaled), in the field that it generates."""
+        squares = minimal_polynomial(self.square).numer()
+        factors = fmpz_poly([x for c in squares.coeffs() for x in (c, 0)]).factor()[1]
+        roots = [root for factor, _ in factors for root in real_roots(QuadraticPoly.rational(factor))]
+
+        def equal(bits: int) -> RealRoot | None:
+            own = self.scaled_length(bits)
+            near = [root for root in roots if root.refined(bits).overlaps(own)]
+            return near[0] if len(near) == 1 else None
+
+        root = decided(equal, _APART_BITS, GREATEST_BITS, "a length could not be placed in its field")
+        return Field(root).generator
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        square = self.square.ball(bits)
+        with ctx.workprec(bits):
+            return square.sqrt()
+
+    def coordinates(self, bits: int) -> Coordinates:
+        """α and θ in degrees, exact at multiples of 90, and the free legs in the user's unit."""
+        slice_map, p = self.local.slice_map, self.local.pose
+        bridge = Bridge.of(slice_map)
+        alpha = bridge.alpha_degrees(p.cos_alpha, p.sin_alpha, p.omega, bits)
+        theta = bridge.theta_degrees(p.cos_theta, p.sin_theta, p.omega, bits)
+        squares = (
+            self.square + jet.value * 2 + p.omega.field(leg.platform2 + leg.base2)
+            for leg, jet in ((slice_map.f, self.local.f), (slice_map.g, self.local.g))
+        )
+        balls = [square.ball(bits) for square in squares]
+        with ctx.workprec(bits):
+            first, second = (ball.sqrt() / slice_map.scale_ball() for ball in balls)
+        return alpha, theta, first, second
+
+    def is_at(self, other: DirectedEvent) -> bool:
+        """Whether both poses have the same α and θ."""
+        p, q = self.local.pose, other.local.pose
+        return (
+            same_number(p.cos_theta, q.cos_theta)
+            and same_number(p.sin_theta, q.sin_theta)
+            and same_angle((p.cos_alpha, p.sin_alpha), (q.cos_alpha, q.sin_alpha))
+        )
+
+    def exact(self) -> ExactPose:
+        """The same pose with a direction of length 1, in a larger field."""
+        [pose] = _upright(self.local.pose, self.local.slice_map.rho)
+        return ExactPose.of(self.local.slice_map, pose)
+
+
+def _event_in_direction(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Event]:
+    """The event at a pose with a direction of any length and an L of either sign.
+
+    Where both legs have gradient 0, the pose is asked for exactly.
+    """
+    sign = pose.length.sign
+    if not sign:
+        return
+    turned = replace(
+        pose, cos_theta=pose.cos_theta * sign, sin_theta=pose.sin_theta * sign, length=pose.length * sign
+    )
+    # J and all its derivatives depend on the end of the fixed leg alone
+    local = LocalMap.at(slice_map, turned, 4)
+    kind = classify(local)
+    if kind is PoseKind.QUADRUPLE:
+        yield from (found for upright in _upright(pose, slice_map.rho) for found in event(slice_map, upright))
+    elif kind not in (PoseKind.ORDINARY, PoseKind.CUSP):
+        yield DirectedEvent(kind, local)
 
 
 def located_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
     """The common zeros of a system above one root v, each with its L > 0."""
+    for pose in _with_lengths(system, root):
+        yield from _upright(pose, system.slice_map.rho)
+
+
+def _with_lengths(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
+    """The same with directions that are not of length 1, and an L of either sign."""
     for pose in _common_poses(system, root):
         plus, minus = (_singularity(system.slice_map, pose, sign) for sign in (1, -1))
         j1 = plus + minus  # twice J1; plus − minus is twice J0
         if j1.is_zero:
             continue  # L is infinite, or undetermined at a pose that is singular for every L
-        length = (minus - plus) * j1.inverse()
-        yield from _upright(replace(pose, length=length), system.slice_map.rho)
+        yield replace(pose, length=(minus - plus) * j1.inverse())
 
 
-def permanent_events(permanent: System) -> Iterator[Landmark]:
+def permanent_events(permanent: System) -> Iterator[Event]:
     """The events at poses that are singular for every L (J0 = J1 = 0).
 
     Raises:
@@ -159,8 +271,7 @@ def permanent_events(permanent: System) -> Iterator[Landmark]:
             if extension is None:
                 raise NotGeneric
             located = replace(pose.mapped(extension.lift), length=extension.root)
-            for upright in _upright(located, permanent.slice_map.rho):
-                yield from event(permanent.slice_map, upright)
+            yield from _event_in_direction(permanent.slice_map, located)
 
 
 def special_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Landmark]:
@@ -181,8 +292,7 @@ def _upright(pose: Pose[Algebraic], rho: int) -> Iterator[Pose[Algebraic]]:
     sign = pose.length.sign
     if not sign:
         return
-    x, y, field = pose.cos_theta, pose.sin_theta, pose.omega.field
-    square = x * x + y * y * rho
+    field, square = pose.omega.field, _square(pose, rho)
     [root] = (x for x in adjoin_real_roots(field, [-square, field(0), field(1)]) if x.root.sign > 0)
     lifted, scale = pose.mapped(root.lift), root.root
     inverse = scale * root.lift(square.inverse() * sign)
@@ -192,6 +302,12 @@ def _upright(pose: Pose[Algebraic], rho: int) -> Iterator[Pose[Algebraic]]:
         sin_theta=lifted.sin_theta * inverse,
         length=lifted.length * scale * sign,
     )
+
+
+def _square(pose: Pose[Algebraic], rho: int) -> Algebraic:
+    """The squared length of the direction of the fixed leg."""
+    x, y = pose.cos_theta, pose.sin_theta
+    return x * x + y * y * rho
 
 
 def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
@@ -237,8 +353,7 @@ def _coalescences(slice_map: SliceMap, pose: Pose[Algebraic]) -> _Coalescences:
 def _limits(slice_map: SliceMap, at: _Coalescences, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
     index, field = (slice_map.f, slice_map.g).index(leg), at.pose.omega.field
     # that of the direction counts: it need not be 1
-    x, y = at.pose.cos_theta, at.pose.sin_theta
-    direction2 = x * x + y * y * slice_map.rho
+    direction2 = _square(at.pose, slice_map.rho)
     gap = at.local.squared_lengths()[index] + _InLength(field, [field(-square), field(0), direction2 - 1])
     for e in at.along:
         if not _apart(e, gap.coefficients):

@@ -137,7 +137,7 @@ class BallEvent:
 
     def exact(self) -> ExactPose:
         """The same pose in a number field, for equalities that balls cannot prove, such as an angle of 0."""
-        [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
+        [root] = exact_counterparts([self.root], self.system.factors)
         [pose] = located_poses(self.system, root)
         return ExactPose.of(self.system.slice_map, pose)
 
@@ -225,7 +225,7 @@ def _system_events(system: System, name: Namer | None, closing: System) -> list[
         elif not any(vanishes(system, root, form) for form in (closing.first, closing.second)):
             undecided.append(root)
     if undecided:
-        others += exact_counterparts(undecided, eliminant)
+        others += exact_counterparts(undecided, system.factors)
     places: list[ExactRoot | None] = [*others]
     if system.eliminant.zeros_at_infinity:
         places.append(None)
@@ -233,7 +233,7 @@ def _system_events(system: System, name: Namer | None, closing: System) -> list[
     return [*sorted(by_balls, key=_direction), *sorted(exact, key=_direction)]
 
 
-def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Landmark]:
+def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Event]:
     if named:
         yield from events_above(system, root)
     else:

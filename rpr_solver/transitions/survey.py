@@ -22,7 +22,7 @@ from math import prod
 from flint import acb, arb, ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact import decided
 from rpr_solver.exact.factors import minimal_polynomial, same_number
 from rpr_solver.exact.number_field import Algebraic, Field
@@ -52,6 +52,8 @@ from rpr_solver.transitions.isolated_events import BallEvent, events, limit_even
 from rpr_solver.transitions.symmetries import Symmetry, symmetries
 
 _ORDER_BITS = 256
+_MOST_SPREAD = 10**60
+"""Of the longest and the shortest side: roots that are so far apart take six seconds, or more."""
 _SMALL_DEGREE = 8
 """Of number fields of lengths with which those of events are compared by a form."""
 
@@ -249,8 +251,9 @@ def survey(
 
     Raises:
         InputError: ``fixed_leg`` is not 1, 2 or 3.
-        SolverError: an event could not be decided.
+        SolverError: an event could not be decided, or sides differ too much.
     """
+    _check_spread(manipulator)
     eliminant = eliminate(manipulator, fixed_leg)
     manipulator.geometry.apart_from_shared()
     slice_map = eliminant.slice_map
@@ -269,6 +272,17 @@ def survey(
         slices.append(CountedSlice(eliminant, length, digits))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
     return Survey(eliminant, inside, tuple(slices), known.method)
+
+
+def _check_spread(manipulator: Manipulator) -> None:
+    """Refuse sides of very different sizes."""
+    base, platform = manipulator.geometry.base, manipulator.geometry.platform
+    squares = [square for square in (*base.squares, *platform.squares) if square]
+    if max(squares) > min(squares) * _MOST_SPREAD**2:
+        raise Unproved(
+            "the longest side of the geometry has more than 1e60 times the length of the shortest one: "
+            "its transitions lie too far apart to be found"
+        )
 
 
 @dataclass(frozen=True)

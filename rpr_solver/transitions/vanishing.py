@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from flint import arb, ctx
 
 from rpr_solver.exact.biform import OMEGA, BiForm, T, U
+from rpr_solver.exact.factors import NormFactor, factor_at
 from rpr_solver.exact.precision import GREATEST_BITS, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot
@@ -21,12 +22,13 @@ from rpr_solver.model.jets import HalfTangent, common_root
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import System
 
-_FIRST_BITS = 512
+_FIRST_BITS, _OPEN_BITS = 512, 1 << 13
+"""At which what is not 0 shows nearly always, before the bound is asked for."""
 _MOST_BITS = 240_000
 """Of a bound that is tried, in about a second; roots can be refined to a few more."""
 _SPARE_BITS = 64
-_OPEN_BITS = 1 << 13
-"""Where the bound has too many bits, what is not 0 shows at fewer ones."""
+_LOST_BITS = 1 << 11
+"""More than the bound's, of the first precision at which it is tried."""
 
 
 def vanishes(system: System, root: RealRoot, form: BiForm) -> bool | None:
@@ -34,9 +36,8 @@ def vanishes(system: System, root: RealRoot, form: BiForm) -> bool | None:
 
     None if balls do not show that there is one zero above v, or if the bound has too many bits.
     """
-    enough = gap_bits(system, form)
 
-    def decision(bits: int) -> bool | None:
+    def decision(bits: int, enough: int | None = None) -> bool | None:
         v = root.refined(bits - _SPARE_BITS)
         with ctx.workprec(bits):
             t = common_root(*(_at(other, v, bits) for other in (system.first, system.second)))
@@ -45,24 +46,39 @@ def vanishes(system: System, root: RealRoot, form: BiForm) -> bool | None:
             value = abs(_value(_at(form, v, bits), t))
             if not value.contains(0):
                 return False
+            if enough is None:
+                return None
             size = _size(t.numerator, t.denominator) ** form.degree_t * _size(v, arb(1)) ** form.degree_u
             return True if value < size * arb(2) ** -enough else None
 
-    limit = _OPEN_BITS if enough > _MOST_BITS else max(2 * enough, _OPEN_BITS)
-    return decided_or_none(decision, _FIRST_BITS, min(limit, GREATEST_BITS))
+    if decided_or_none(decision, _FIRST_BITS, _OPEN_BITS) is False:
+        return False
+    factor = factor_at(root, system.factors)
+    enough = None if factor is None else gap_bits(system, factor, form)
+    if enough is None or enough > _MOST_BITS:
+        return None
+    start = max(enough + _LOST_BITS, 2 * _OPEN_BITS)
+    return decided_or_none(lambda bits: decision(bits, enough), start, min(4 * start, GREATEST_BITS))
 
 
-def gap_bits(system: System, form: BiForm) -> int:
+def gap_bits(system: System, factor: NormFactor, form: BiForm) -> int:
     """The bits B of the bound: max(|t₀|, |t₁|)^a max(1, |v|)^b 2^−B, below which the form is 0.
 
     With D the degree of the field of (t, v) and h the height, B = (D − 1) log ‖form‖ + a D h(t) + b D h(v).
+    v is a root of the factor of the eliminant's norm.
     """
     conjugates = 1 if form.radicand == 1 else 2
-    degree = conjugates * system.eliminant.polynomial.degree
+    # where the factor splits, v determines ω
+    per_v = 1 if factor.extra else conjugates
+    degree = per_v * int(factor.polynomial.degree())
+    of_v = per_v * _bits([QuadraticPoly.rational(factor.polynomial)])
     first, second = system.first, system.second
-    # t is a root of the resultant by v, v one of the eliminant; either divides with all its conjugates
-    of_t = conjugates * (second.degree_u * _bits(first.rows) + first.degree_u * _bits(second.rows))
-    of_v = conjugates * _bits([system.eliminant.polynomial])
+    sizes = [_bits(p.rows) for p in (first, second)]
+    # t is a root of the resultant by v, with all its conjugates, and one of either form above v
+    of_t = min(
+        conjugates * (second.degree_u * sizes[0] + first.degree_u * sizes[1]),
+        *(degree * (1 + size) + p.degree_u * of_v for p, size in zip((first, second), sizes, strict=True)),
+    )
     return (degree - 1) * _bits(form.rows) + form.degree_t * of_t + form.degree_u * of_v
 
 

@@ -44,6 +44,14 @@ KINDS: Mapping[str, tuple[str, Callable[[Leg], Read], Claims]] = {
 }
 """Kind → the member by which it is known, its schema, and its claims."""
 
+_UNVERIFIED: Mapping[str, str] = {
+    "moving_leg": "poses along a leg",
+    "sensed": "poses with angles of legs",
+    "conic": "a workspace",
+    "orientations": "workspaces of several orientations",
+}
+"""A member by which a document is known that is not verified, and what to call it."""
+
 _OTHERS: Mapping[str, str] = {
     "aspects": "a document of aspects",
     "checks": "a list of reports of checks",
@@ -61,8 +69,9 @@ def kind_of(value: object) -> str:
     if not isinstance(value, Mapping):
         raise refusal("", "is not an object")
     kind = next((kind for kind, (member, _, _) in KINDS.items() if member in value), None)
-    if kind is None:
-        other = next((f", {name}," for member, name in _OTHERS.items() if member in value), "")
+    own = next((f", {name}," for member, name in _UNVERIFIED.items() if member in value), "")
+    if kind is None or own:
+        other = own or next((f", {name}," for member, name in _OTHERS.items() if member in value), "")
         raise refusal("", f"is{other} of no kind that can be verified; known are {', '.join(KINDS)}")
     return kind
 

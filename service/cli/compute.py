@@ -35,7 +35,7 @@ from service.cli.pages import (
 from service.cli.parsers import Command
 from service.schemas.answers import csv_header, csv_lines, ndjson_line
 from service.schemas.document import named, unnamed
-from service.schemas.lengths import split_ends
+from service.schemas.lengths import split_ends, split_range
 from worker.answers import Store, tables
 
 if TYPE_CHECKING:  # a command loads the question that it asks, and no other
@@ -318,12 +318,17 @@ _IN_GIVEN_FRAME = ("x", "y", "phi_deg")
 def _poses(table: Mapping[str, Any]) -> Page:
     """Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The
     list is proved complete. With a range for one leg: at which of its lengths poses merge, and how many poses
-    there are between.
+    there are between. With angles of legs, in place of lengths or beside them: the poses with all these data.
 
     Options:
         l1: the length of leg 1, or its range, such as 0:12, if it is the one that moves
         l2: that of leg 2
         l3: that of leg 3
+        angle1: the angle of leg 1 from A1 to B1, in degrees, in the frame of the base's points, or of the
+            article
+        angle2: that of leg 2
+        angle3: that of leg 3
+        angle_tolerance_deg: how far angles beyond three data may be off, in degrees
         condition: give the condition number of each pose, and its distance from singular poses
         length_scale: the length by which condition numbers measure rotations (default: the root of the mean
             squared distance of the platform's joints from their centroid)
@@ -333,9 +338,13 @@ def _poses(table: Mapping[str, Any]) -> Page:
       rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30 --condition --digits 6
       rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
       rpr-cusps poses innocenti --l1 17 --l3 15 --l2-range 0:40
+      rpr-cusps poses innocenti --l1 15 --angle2 150 --angle3 45
+      rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30 --angle1 23.6 --angle-tolerance 0.1
     """
     if "intervals" in table:
         return _along_leg(table)
+    if "sensed" in table:
+        return _sensed(table)
     title = f"{all_legs(table)}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
@@ -349,6 +358,32 @@ def _poses(table: Mapping[str, Any]) -> Page:
         scale = f"length scale {asked['length_scale']}, about the centroid of the platform's joints"
         notes.append(f"Condition numbers: {scale}. The clearance is that with L1 held.")
     return Page(about(table), [Section(title, rows_of(rows, keys), notes)], table["digits"])
+
+
+def _sensed(document: Mapping[str, Any]) -> Page:
+    sensed = document["sensed"]
+    words = [
+        f"{name.upper()} = {x}" if name in LEGS else f"angle {name[-1]} = {x}°" for name, x in sensed.items()
+    ]
+    count = "a whole curve of poses" if document["is_curve"] else counted(document["count"], "pose")
+    notes = ["No pose is missed: proved."] if not document["is_curve"] else []
+    notes += [f"No pose agrees with angle {name[-1]}." for name in document["disagree"]]
+    sections = [Section(f"{', '.join(words)}: {count}", _sensed_rows(document["poses"]), notes)]
+    if document["others"]:
+        sections.append(Section("Poses that disagree with an angle", _sensed_rows(document["others"])))
+    return Page(about(document), sections, document["digits"])
+
+
+def _sensed_rows(poses: Sequence[Mapping[str, Any]]) -> list[list[str]]:
+    keys = [key for key in (*_KEYS[:6], *LEGS, *_IN_GIVEN_FRAME) if any(key in pose for pose in poses)]
+    rows = [
+        {
+            **{key: pose.get(key, "") for key in keys},
+            **{f"angle {name[-1]} off by [deg]": text for name, text in pose["off_deg"].items()},
+        }
+        for pose in poses
+    ]
+    return rows_of(rows)
 
 
 def _along_leg(document: Mapping[str, Any]) -> Page:
@@ -456,6 +491,90 @@ def _aspects(document: Mapping[str, Any]) -> Page:
     return Page(about(document), [Section(title, rows_of(rows))], document["digits"])
 
 
+def _workspace(document: Mapping[str, Any]) -> Page:
+    """Find the places that the limits of the legs allow at one orientation: regions with J > 0 and J < 0,
+    between them the singular conic. With a range of orientations: areas and numbers of regions at each.
+    Vertices, regions and areas are exact.
+
+    Options:
+        phi: the orientation in degrees, or FROM:TO:STEP: the angle of the platform's frame in that of the
+            base; without points it is α
+        limits: a leg
+
+    examples:
+      rpr-cusps workspace innocenti --phi 30 --l1-limits 5:30 --l2-limits 5:25 --l3-limits 5:25
+      rpr-cusps workspace robot.json --phi -90:90:5 --l1-limits 5:30 --l2-limits 5:25 --format csv
+    """
+    if "orientations" in document:
+        return _sweep(document)
+    limits = ", ".join(f"{leg.upper()} {_within(ends)}" for leg, ends in document["limits"].items())
+    rows = [
+        {
+            "sign of J": SIGNS[region["sign"]],
+            "area": region["area"],
+            "bounded by": ", ".join(
+                dict.fromkeys(_bound(arc) for loop in region["boundary"] for arc in loop)
+            ),
+            "holes": str(len(region["boundary"]) - 1),
+        }
+        for region in document["regions"]
+    ]
+    conic, kind = document["conic"], document["conic"]["kind"]
+    powers = dict(zip(("xx", "xy", "yy", "x", "y", "1"), ("x²", "xy", "y²", "x", "y", "1"), strict=True))
+    terms = [{"term of J": powers[name], "coefficient": text} for name, text in conic["coefficients"].items()]
+    notes = ["All regions, their signs and areas: proved."]
+    notes += [f"A single place: vertex {number}." for number in document["isolated"]]
+    notes += [f"A curve without places beside it: {_bound(arc)}." for arc in document["thin"]]
+    vertices = [
+        {
+            **{name: x for name, x in vertex.items() if name != "on"},
+            "on": ", ".join(map(_curve, vertex["on"])),
+        }
+        for vertex in document["vertices"]
+    ]
+    title = f"φ = {document['phi_deg']}°, {limits}: {counted(len(rows), 'region')}"
+    singular = "every place" if kind == "plane" else kind
+    return Page(
+        about(document),
+        [
+            Section(title, rows_of(rows), notes),
+            Section(f"J = 0: {singular}", rows_of(terms)),
+            Section("Vertices", rows_of(vertices)),
+        ],
+        document["digits"],
+    )
+
+
+def _sweep(document: Mapping[str, Any]) -> Page:
+    ends = document["phi_deg"]
+    columns = {
+        "phi_deg": "φ [deg]", "conic": "J = 0", "positive": "area J > 0", "positive_regions": "regions",
+        "negative": "area J < 0", "negative_regions": "regions ", "singular": "area J = 0",
+    }  # fmt: skip
+    used = [name for name in columns if any(name in row for row in document["orientations"])]
+    rows = [{columns[name]: str(row.get(name, "")) for name in used} for row in document["orientations"]]
+    title = f"φ from {ends['from']}° to {ends['to']}° in steps of {ends['step']}°"
+    notes = ["The areas and numbers of regions at each of these orientations: proved."]
+    return Page(about(document), [Section(title, rows_of(rows), notes)], document["digits"])
+
+
+def _within(ends: Mapping[str, str | None]) -> str:
+    return ends_in_words({"from": ends["min"] or "0", "to": ends["max"]})
+
+
+def _bound(arc: Mapping[str, Any]) -> str:
+    return " = ".join(map(_curve, arc["on"].split()))
+
+
+def _curve(name: str) -> str:
+    leg, _, end = name.partition("_")
+    return f"{end}. {leg.upper()}" if end else "J = 0"
+
+
+def _turns(text: str) -> object:
+    return split_range(text) if ":" in text else text
+
+
 COMMANDS = {
     "solve": _solve,
     "census": partial(command, page=_census, steps="steps"),
@@ -465,7 +584,9 @@ COMMANDS = {
         page=_poses,
         readers=dict.fromkeys(LEGS, _length),
         others={leg: f"--{leg}-range" for leg in LEGS},
+        names={"angle_tolerance_deg": "--angle-tolerance"},
     ),
     "singular-curves": partial(command, page=_singular),
     "aspects": partial(command, page=_aspects),
+    "workspace": partial(command, page=_workspace, readers={"phi": _turns}, steps="orientations"),
 }

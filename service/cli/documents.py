@@ -179,7 +179,8 @@ def _configure_plot(parser: argparse.ArgumentParser) -> None:
         --kind: the type of picture: a slice in the plane of the free legs (slice, the default) or on the
             torus of poses (torus), the census, the sensitivities of its transitions, the margin against the
             length of the leg, the cusp curves in joint space (locus) or in three planes (projections), a
-            loop, the mechanism, a design, which poses are joined (connections), poses along a leg (along)
+            loop, the mechanism, the workspace at an orientation, a design, which poses are joined
+            (connections), poses along a leg (along)
         --no-title: leave out the title above the picture
         --no-caption: leave out the geometry below the picture
         --output: a file that ends in .svg, .png or .pdf
@@ -194,15 +195,17 @@ def _configure_plot(parser: argparse.ArgumentParser) -> None:
 
 def _run_plot(args: argparse.Namespace) -> int:
     """Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, the
-    mechanism; or a design, connections of poses or poses along a leg, of which the JSON document is given in
-    place of the geometry. The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. It
-    needs matplotlib, of the extra `plot`.
+    mechanism, the workspace at an orientation; or a design, connections of poses or poses along a leg, of
+    which the JSON document is given in place of the geometry. The suffix of the file selects SVG, PNG or PDF;
+    without a file, SVG is printed. It needs matplotlib, of the extra `plot`.
 
     Options:
         l1: the length of a leg
         range: the range of a census, sensitivities, margins, a locus or its projections (default: all)
         cusp: the number or letter of the cusp in the table of the slice (default: A)
         pose: the number of the pose with these three lengths (default: 1)
+        phi: the orientation of a workspace, in degrees
+        limits: a leg, of a workspace
         width_mm: for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points
 
     examples:
@@ -210,6 +213,7 @@ def _run_plot(args: argparse.Namespace) -> int:
       rpr-cusps plot innocenti --kind census -o census.pdf
       rpr-cusps plot innocenti --kind margin --l1-range 20:32 -o margin.svg
       rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
+      rpr-cusps plot innocenti --kind workspace --phi 30 --l1-limits 5:30 --l2-limits 5:25 -o places.svg
       rpr-cusps plot design.json --kind design -o design.svg
       rpr-cusps plot matrix.json --kind connections -o matrix.png
       rpr-cusps plot along.json --kind along -o along.svg

@@ -7,9 +7,10 @@
         answer = client.ask(census(EXAMPLES["innocenti"], digits=30))
     print(answer.typed.transitions[0].kind, len(answer.content))
 
-The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `leg_poses`, `cusp_loop`, `joint_path`,
-`pose_path`, `pose_connections`, `singular_curves`, `aspects`, `assembly_modes`, `margin`, `design` and
-`verify_document` take what those of `rpr_solver` take; `plot` asks for a picture.
+The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `leg_poses`, `sensed_poses`,
+`cusp_loop`, `joint_path`, `pose_path`, `pose_connections`, `singular_curves`, `aspects`, `workspace`,
+`workspace_sweep`, `assembly_modes`, `margin`, `design` and `verify_document` take what those of `rpr_solver`
+take; `plot` asks for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
 slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
@@ -35,8 +36,11 @@ from service.client.questions import (
     pose_connections,
     pose_path,
     poses,
+    sensed_poses,
     singular_curves,
     verify_document,
+    workspace,
+    workspace_sweep,
 )
 from service.client.results import ItemResult
 from service.schemas.resources import Batch, Job
@@ -65,6 +69,9 @@ __all__ = [
     "pose_connections",
     "pose_path",
     "poses",
+    "sensed_poses",
     "singular_curves",
     "verify_document",
+    "workspace",
+    "workspace_sweep",
 ]

@@ -18,8 +18,11 @@ from service.schemas.plots import Verification
 from service.schemas.poses import Aspects
 from service.schemas.poses import LegPoses
 from service.schemas.poses import PoseTable
+from service.schemas.poses import SensedPoses
 from service.schemas.poses import SingularCurves
 from service.schemas.tables import CuspTable
+from service.schemas.workspaces import WorkspaceAt
+from service.schemas.workspaces import WorkspaceSweep
 
 def cusp_table(
     manipulator: Manipulator,
@@ -92,6 +95,17 @@ def leg_poses(
 ) -> Asked[LegPoses]:
     """The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names."""
 
+def sensed_poses(
+    manipulator: Manipulator,
+    lengths: Mapping[str, Exact],
+    angles: Mapping[str, Exact],
+    *,
+    angle_tolerance_deg: Exact | None = None,
+    digits: int | None = None,
+    deadline: float | None = None,
+) -> Asked[SensedPoses]:
+    """All poses with lengths of some legs and angles of some, by their names; together at least three."""
+
 def singular_curves(
     manipulator: Manipulator,
     length: Exact,
@@ -113,6 +127,28 @@ def aspects(
     deadline: float | None = None,
 ) -> Asked[Aspects]:
     """The aspects while the length of one leg varies within a range; an end that is missing is open."""
+
+def workspace(
+    manipulator: Manipulator,
+    phi: Exact | Mapping[str, Exact],
+    limits: ExactLimits,
+    *,
+    digits: int | None = None,
+    deadline: float | None = None,
+) -> Asked[WorkspaceAt]:
+    """The places that the limits of legs allow at an orientation, and the singular conic."""
+
+def workspace_sweep(
+    manipulator: Manipulator,
+    start: Exact,
+    stop: Exact,
+    step: Exact,
+    limits: ExactLimits,
+    *,
+    digits: int | None = None,
+    deadline: float | None = None,
+) -> Asked[WorkspaceSweep]:
+    """The areas and the numbers of regions of workspaces at several orientations."""
 
 def margin(
     manipulator: Manipulator,
@@ -149,7 +185,7 @@ def design(
 
 def plot(
     manipulator: Manipulator,
-    plot: Literal['slice', 'torus', 'census', 'sensitivities', 'margin', 'locus', 'projections', 'loop', 'mechanism'] | None = None,
+    plot: Literal['slice', 'torus', 'census', 'sensitivities', 'margin', 'locus', 'projections', 'loop', 'mechanism', 'workspace'] | None = None,
     *,
     width_mm: Exact | None = None,
     style: Literal['page', 'paper'] | None = None,
@@ -162,6 +198,8 @@ def plot(
     stop: Exact | None = None,
     cusp: int | str | None = None,
     pose: int | None = None,
+    phi: Exact | None = None,
+    limits: ExactLimits | None = None,
     lengths: tuple[Exact, Exact, Exact] | None = None,
     deadline: float | None = None,
 ) -> Asked[Plot]:

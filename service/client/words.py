@@ -20,7 +20,7 @@ from service.schemas.censuses import CensusRequest, CheckRequest, RequirementDoc
 from service.schemas.curves import CuspCurvesRequest, MarginRequest
 from service.schemas.designs import Budget, DesignRequest, VaryRange
 from service.schemas.document import Source, read
-from service.schemas.lengths import Changes, JointLimits, OpenRange
+from service.schemas.lengths import ENDS, Changes, JointLimits, OpenRange, SliceRange
 from service.schemas.limits import Limits
 from service.schemas.modes import AssemblyModesRequest, ModeRange, PoseConnectionsRequest
 from service.schemas.motions import AskedMotion, AskedSampling, Path
@@ -31,10 +31,12 @@ from service.schemas.poses import (
     LegPoses,
     PosesRequest,
     PoseTable,
+    SensedPoses,
     SingularCurvesRequest,
 )
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
+from service.schemas.workspaces import WorkspaceAt, WorkspaceRequest, WorkspaceSweep
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,10 @@ class Function:
         found = {word: value for word, value in given.items() if value is not None}
         names, leg = self._members(), found.get("fixed_leg", 1)
         ends = found.pop("start", None), found.pop("stop", None)
+        if "angles" in self.also:
+            found |= {**found.pop("lengths"), **found.pop("angles")}
+        if "step" in self.also:
+            found["phi"] = dict(zip(ENDS, (*ends, found.pop("step")), strict=True))
         found |= self._legs(leg, found.pop("length", None), found.pop("lengths", None), ends)
         if ends != (None, None) and "from" in names:
             found |= zip(_ENDS_OF_PATHS, ends, strict=True)
@@ -147,7 +153,12 @@ _WORDS = {
 
 _TYPES: Mapping[Any, str] = {
     **{Fraction: "Exact", OpenRange: _ENDS + " | tuple[None, Exact]", ModeRange: _ENDS},
-    **{Between: "tuple[Exact, Exact]", Changes: "Mapping[str, Exact]", JointLimits: "ExactLimits"},
+    **{
+        SliceRange: "Mapping[str, Exact]",
+        Between: "tuple[Exact, Exact]",
+        Changes: "Mapping[str, Exact]",
+        JointLimits: "ExactLimits",
+    },
     **{AskedMotion: "MotionQuestion", AskedSampling: "Sampling", RequirementDocument: "Requirement"},
     **{NumberedPose: "Mapping[str, Exact]", AngledPose: "Mapping[str, Exact]"},
     **{AskedJoints: "Sequence[Exact]", VaryRange: "Sequence[Exact]", Budget: "int"},
@@ -198,6 +209,8 @@ _FORMS: Mapping[str, Callable[[Any], object]] = {
 }
 """Member → its value of an argument."""
 
+_ANGLES = "angle1 angle2 angle3 angle_tolerance_deg"
+
 FUNCTIONS: Mapping[str, Function] = {
     "cusp_table": Function("The cusps of slices.", CuspTableRequest, "lengths"),
     "census": Function("Every length at which the number of cusps changes.", CensusRequest),
@@ -208,13 +221,19 @@ FUNCTIONS: Mapping[str, Function] = {
         "Whether a manipulator satisfies a requirement on its cusps.", CheckRequest, "requirement"
     ),
     "poses": Function(
-        "All poses with given lengths of the legs.", PosesRequest, "l1 l2 l3", answer=PoseTable
+        "All poses with given lengths of the legs.", PosesRequest, "l1 l2 l3", _ANGLES, answer=PoseTable
     ),
     "leg_poses": Function(
         "The numbers of poses at all lengths of one leg; `lengths` has those of both others, by their names.",
-        *(PosesRequest, "lengths start? stop?", "l1 l2 l3 condition length_scale"),
+        *(PosesRequest, "lengths start? stop?", f"l1 l2 l3 {_ANGLES} condition length_scale"),
         also={"lengths": "Mapping[str, Exact]", "start": "Exact", "stop": "Exact"},
         answer=LegPoses,
+    ),
+    "sensed_poses": Function(
+        "All poses with lengths of some legs and angles of some, by their names; together at least three.",
+        *(PosesRequest, "lengths angles", "l1 l2 l3 angle1 angle2 angle3 condition length_scale"),
+        also={"lengths": "Mapping[str, Exact]", "angles": "Mapping[str, Exact]"},
+        answer=SensedPoses,
     ),
     "singular_curves": Function(
         "The singular curves of a slice, the number of poses in each region, and the aspects.",
@@ -223,6 +242,17 @@ FUNCTIONS: Mapping[str, Function] = {
     "aspects": Function(
         "The aspects while the length of one leg varies within a range; an end that is missing is open.",
         *(AspectsRequest, "start? stop?"),
+    ),
+    "workspace": Function(
+        "The places that the limits of legs allow at an orientation, and the singular conic.",
+        *(WorkspaceRequest, "phi limits"),
+        answer=WorkspaceAt,
+    ),
+    "workspace_sweep": Function(
+        "The areas and the numbers of regions of workspaces at several orientations.",
+        *(WorkspaceRequest, "start stop step limits", "phi"),
+        also={"start": "Exact", "stop": "Exact", "step": "Exact"},
+        answer=WorkspaceSweep,
     ),
     "margin": Function(
         "How far the lengths may change before a slice, a requirement or a window loses its number of cusps.",

@@ -247,6 +247,13 @@ SLICE_COLUMNS = tuple(f"{leg}_{end}" for leg in LEGS for end in ENDS)
 """The same, in steps."""
 
 
+PHI_COLUMNS = ("phi", *(f"phi_{end}" for end in ENDS))
+"""Those that give an orientation, or several in steps."""
+
+LIMIT_COLUMNS = tuple(f"{leg}_{end}" for leg in LEGS for end in ("min", "max"))
+"""Those that give joint limits."""
+
+
 class OneSlice(Question):
     """Base of questions about the slice of one length of the fixed leg, which is l1, l2 or l3.
 

@@ -34,8 +34,17 @@ from service.schemas.answers import (
     NearShape,
 )
 from service.schemas.document import Document, Expected, Source, given, json_kind, plain, shown, unnamed
-from service.schemas.geometry import GeometryField
-from service.schemas.lengths import NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
+from service.schemas.geometry import GeometryField, points_member
+from service.schemas.lengths import (
+    LIMIT_COLUMNS,
+    NEEDED,
+    PHI_COLUMNS,
+    RANGE_COLUMNS,
+    JointLimits,
+    OneSlice,
+    Range,
+    range_field,
+)
 from service.schemas.limits import Detail, Model
 from service.schemas.numbers import (
     POSITIVE_NUMBER,
@@ -48,12 +57,15 @@ from service.schemas.numbers import (
     number_where,
 )
 from service.schemas.questions import Examples, Question
+from service.schemas.workspaces import Phi, limits_of_workspace
 from worker.answers.documents import DIGITS, OF_ALL_SLICES, PLOT, VERIFICATION
 
 _ONE_SLICE = ("slice", "torus", "loop")
 _WITH_CUSP = ("loop", "mechanism")
 
-_SCHEMA: dict[str, Any] = {
+_OF_WORKSPACE = ("phi", "limits")
+_NOT_OF_WORKSPACE = (*LEGS, "range", "cusp", "pose")
+_OTHERS: dict[str, Any] = {
     "if": {"properties": {"plot": {"enum": [*_ONE_SLICE]}}},
     "then": {
         **NEEDED,
@@ -72,6 +84,13 @@ _SCHEMA: dict[str, Any] = {
             "else": {"required": [*LEGS], "properties": {"range": False}},
         },
     },
+}
+
+
+_SCHEMA: dict[str, Any] = {
+    "if": {"required": ["plot"], "properties": {"plot": {"const": "workspace"}}},
+    "then": {"required": [*_OF_WORKSPACE], "properties": dict.fromkeys(_NOT_OF_WORKSPACE, False)},
+    "else": {"allOf": [_OTHERS, {"properties": dict.fromkeys(_OF_WORKSPACE, False)}]},
 }
 
 
@@ -140,7 +159,8 @@ class Setting(Document):
 class PlotRequest(OneSlice, Setting):
     """A manipulator, and the picture to draw. `slice` and `torus` take the length of the fixed leg, `loop`
     also a `cusp`; `census`, `sensitivities`, `margin`, `locus` and `projections` take a `range`; `mechanism`
-    takes all three lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
+    takes all three lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`;
+    `workspace` takes `phi` and `limits`.
 
     Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
     description, or only the SVG with `Accept: image/svg+xml`; GET gives it by a URL.
@@ -154,12 +174,15 @@ class PlotRequest(OneSlice, Setting):
             transitions move with each length (`sensitivities`), how far the lengths may be off before that
             number changes (`margin`: first order, and proved in the widest windows), the cusp curves in joint
             space (`locus`) or in three plane projections of it (`projections`), a loop round a cusp (`loop`),
-            or the mechanism at a pose (`mechanism`).
+            the mechanism at a pose (`mechanism`), or the places that joint limits allow at an orientation
+            (`workspace`).
         theme: The paper, `light` or `dark`.
         l1: The length of leg 1.
         l2: The length of leg 2.
         l3: The length of leg 3.
         pose: The number of the pose, from 1, in the answer of /v1/poses.
+        phi: The orientation of a workspace in degrees, as in /v1/workspaces.
+        limits: The joint limits of a workspace.
     """
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
@@ -176,7 +199,16 @@ class PlotRequest(OneSlice, Setting):
     }
 
     plot: Literal[
-        "slice", "torus", "census", "sensitivities", "margin", "locus", "projections", "loop", "mechanism"
+        "slice",
+        "torus",
+        "census",
+        "sensitivities",
+        "margin",
+        "locus",
+        "projections",
+        "loop",
+        "mechanism",
+        "workspace",
     ] = "slice"
     theme: Literal["light", "dark"] = "light"
     fixed_leg: FixedLeg = fixed_leg_field()
@@ -186,6 +218,8 @@ class PlotRequest(OneSlice, Setting):
     range: Range = range_field()
     cusp: CuspNumber = cusp_field()
     pose: PoseNumber = 1
+    phi: Phi = given()
+    limits: JointLimits = given()
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -194,14 +228,20 @@ class PlotRequest(OneSlice, Setting):
         problems = list(self._problems())
         if problems:
             raise InputError(problems)
+        if self.plot == "workspace":
+            limits_of_workspace(self.limits)
         return self
 
     def _problems(self) -> Iterator[FieldProblem]:
         given = self.model_fields_set
         own = f"l{self.fixed_leg}"
-        if self.plot in OF_ALL_SLICES:
-            needed: tuple[str, ...] = ()
-            useless: tuple[str, ...] = (*LEGS, "cusp", "pose")
+        needed: tuple[str, ...] = ()
+        useless: tuple[str, ...] = ()
+        if self.plot == "workspace":
+            needed = _OF_WORKSPACE
+            useless = (*_NOT_OF_WORKSPACE, *(() if self.fixed_leg == 1 else ("fixed_leg",)))
+        elif self.plot in OF_ALL_SLICES:
+            useless = (*LEGS, "cusp", "pose")
         elif self._has_legs:
             needed, useless = LEGS, ("range", *(() if self.fixed_leg == 1 else ("fixed_leg",)))
         else:
@@ -210,15 +250,16 @@ class PlotRequest(OneSlice, Setting):
             useless = (*others, "range", "pose", *(() if self.plot in _WITH_CUSP else ("cusp",)))
         for name in needed:
             if name not in given:
-                yield FieldProblem(name, "is missing; give a number")
-        for name in useless:
+                wanted = "the limits of legs" if name == "limits" else "a number"
+                yield FieldProblem(name, f"is missing; give {wanted}")
+        for name in useless if needed is _OF_WORKSPACE else (*useless, *_OF_WORKSPACE):
             if name in given:
                 yield FieldProblem(name, f"says nothing about the plot {self.plot!r}; leave it out")
 
     @property
     def takes_shared_joints(self) -> bool:
         """Its poses and slices are drawn."""
-        return self._has_legs or self.plot in ("slice", "torus")
+        return self._has_legs or self.plot in ("slice", "torus", "workspace")
 
     @property
     def _has_legs(self) -> bool:
@@ -233,6 +274,10 @@ class PlotRequest(OneSlice, Setting):
             lengths = {leg: exact_str(getattr(self, leg)) for leg in LEGS}
             head = {"geometry": self.geometry.to_json(), "fixed_leg": 1}
             return {**head, **drawn, **lengths, "pose": self.pose}
+        if self.plot == "workspace":
+            asked = {"phi": exact_str(self.phi), **limits_of_workspace(self.limits)}
+            head = {"geometry": self.geometry.to_json(), "fixed_leg": 1, **points_member(self.geometry)}
+            return {**head, **drawn, **asked}
         if self.plot in OF_ALL_SLICES:
             drawn["range"] = self.range.model_dump()
         elif self.plot in _WITH_CUSP:
@@ -253,7 +298,7 @@ class PictureRequest(PlotRequest):
     forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}
     columns = (
         *("plot", "theme", *LEGS, *RANGE_COLUMNS, "fixed_leg", "cusp", "pose"),
-        *("width_mm", "style", "unit", "labels"),
+        *("width_mm", "style", "unit", "labels", PHI_COLUMNS[0], *LIMIT_COLUMNS),
     )
 
 

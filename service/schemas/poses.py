@@ -19,7 +19,8 @@ from pydantic import (
 
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE, LEGS
-from rpr_solver.errors import InputError
+from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.sensed.sensed_poses import ANGLES, LEAST, read_tolerance
 from service.schemas.answers import (
     CSV,
     JSON,
@@ -46,11 +47,13 @@ from service.schemas.numbers import (
     FixedLeg,
     Flag,
     Length,
+    Positive,
     digits_field,
     fixed_leg_field,
     number_where,
 )
 from service.schemas.questions import Question
+from service.schemas.workspaces import Phi
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES
 
 
@@ -245,8 +248,68 @@ class LegPoses(Model):
     intervals: list[LegInterval]
 
 
-class Poses(RootModel[PoseTable | LegPoses]):
-    """The poses of one joint vector; or, with a range for one leg, those along this leg."""
+class SensedPose(Model):
+    """A pose with given lengths and angles of legs. Angles are degrees in (−180, 180].
+
+    Attributes:
+        alpha_deg: Orientation of the platform.
+        theta1_deg: Angle of leg 1 in the frame of the article; missing if its length is 0. Likewise
+            `theta2_deg` and `theta3_deg`.
+        b1_x: x of the platform's point B1.
+        b1_y: y of the platform's point B1.
+        l1: Length of leg 1; likewise `l2` and `l3`.
+        x: Where base or platform are given by points: as of other poses, like `y` and `phi_deg`.
+        off_deg: Of each angle beyond the data from which the pose was found: by how many degrees that of the
+            pose differs from it.
+    """
+
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = optional()
+    theta2_deg: Decimal | None = optional()
+    theta3_deg: Decimal | None = optional()
+    b1_x: Decimal
+    b1_y: Decimal
+    l1: Decimal
+    l2: Decimal
+    l3: Decimal
+    x: Decimal | None = optional()
+    y: Decimal | None = optional()
+    phi_deg: Decimal | None = optional()
+    off_deg: dict[str, Decimal]
+
+
+class SensedPoses(Model):
+    """All poses with given lengths and angles of legs.
+
+    Attributes:
+        sensed: The lengths, and the angles in degrees, exact, by name.
+        angle_tolerance_deg: How far angles beyond three data may be off; null if not given.
+        solved_from: The three data from which the poses were found.
+        count: Number of poses that agree with all data; proved complete.
+        poses: These poses, by α.
+        others: Poses that fulfil the three data, but disagree with another angle.
+        disagree: The angles with which no pose agrees.
+        is_curve: Whether a whole curve of poses fulfils the data; none is listed then.
+    """
+
+    geometry: CanonicalGeometry
+    geometry_hash: str
+    near: list[NearShape] | None = NEAR
+    digits: int
+    solver_version: str
+    sensed: dict[str, str]
+    angle_tolerance_deg: str | None
+    solved_from: list[str]
+    count: int
+    poses: list[SensedPose]
+    others: list[SensedPose]
+    disagree: list[str]
+    is_curve: bool
+
+
+class Poses(RootModel[PoseTable | LegPoses | SensedPoses]):
+    """The poses of one joint vector; with a range for one leg, those along this leg; or, with angles of legs,
+    those with these lengths and angles."""
 
 
 _LENGTH: TypeAdapter[Fraction] = TypeAdapter(Length, config=DEFERRED)
@@ -268,6 +331,10 @@ LengthOrRange = Annotated[
 """The length of a leg, or the range of the one that moves."""
 
 
+_ENOUGH: dict[str, Any] = {
+    "anyOf": [{"required": [*LEGS]}, *({"required": [name]} for name in ANGLES)],
+    "dependentSchemas": {"angle_tolerance_deg": {"anyOf": [{"required": [name]} for name in ANGLES]}},
+}
 _TOLERANCE = number_where(
     f"give {exact_str(FINEST_TOLERANCE)} to {exact_str(COARSEST_TOLERANCE)}",
     lambda tolerance: FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE,
@@ -425,8 +492,23 @@ class PosesRequest(Question):
     velocity of the platform's centroid and its angular velocity times `length_scale`, and how far it is from
     singular poses.
 
+    With angles of legs, in place of lengths or beside them: the poses with at least three such data. The
+    angle of a leg is that of the vector from A to B in the frame of the base's points, or in the article's.
+    Angles beyond three data must agree within `angle_tolerance_deg`.
+
     A worker computes the poses in milliseconds.
+
+    Attributes:
+        l1: Length of leg 1; > 0. Or its range, if it is the one that moves.
+        l2: Length of leg 2, likewise.
+        l3: Length of leg 3, likewise.
+        angle1: Angle of leg 1 in degrees, if it is known.
+        angle2: Angle of leg 2, likewise.
+        angle3: Angle of leg 3, likewise.
+        angle_tolerance_deg: How far angles beyond three data may be off, in degrees; > 0.
     """
+
+    model_config = ConfigDict(json_schema_extra=_ENOUGH)
 
     expected = "send an object with geometry, l1, l2 and l3"
     kinds = (POSES,)
@@ -436,9 +518,13 @@ class PosesRequest(Question):
     answer = Poses
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("poses_csv", "pose or interval")}
 
-    l1: LengthOrRange = Field(description="Length of leg 1; > 0. Or its range, if it is the one that moves.")
-    l2: LengthOrRange = Field(description="Length of leg 2, likewise.")
-    l3: LengthOrRange = Field(description="Length of leg 3, likewise.")
+    l1: LengthOrRange = given()
+    l2: LengthOrRange = given()
+    l3: LengthOrRange = given()
+    angle1: Phi = given()
+    angle2: Phi = given()
+    angle3: Phi = given()
+    angle_tolerance_deg: Positive = given()
     condition: Flag = Field(
         default=False, description="Whether each pose has its condition number, and its clearance."
     )
@@ -462,9 +548,38 @@ class PosesRequest(Question):
             )
         return self
 
+    @model_validator(mode="after")
+    def _has_enough(self) -> Self:
+        known = self.given()
+        angles = {name: known[name] for name in ANGLES if name in known}
+        lengths = {leg: known[leg] for leg in LEGS if leg in known}
+        if angles:
+            self._check_sensed(lengths, angles)
+        elif missing := [leg for leg in LEGS if leg not in lengths]:
+            message = "is missing; give a number > 0, or the angle of a leg in its place"
+            raise InputError([FieldProblem(leg, message) for leg in missing])
+        elif self.angle_tolerance_deg is not None:
+            raise InputError.of("angle_tolerance_deg", "says nothing without angles of legs; leave it out")
+        return self
+
+    def _check_sensed(self, lengths: Mapping[str, Any], angles: Mapping[str, Any]) -> None:
+        moving = [leg for leg, length in lengths.items() if isinstance(length, OpenRange)]
+        if moving:
+            raise InputError.of(moving[0], "is a range; beside angles of legs give a length, or leave it out")
+        if condition_member(self):
+            name = "condition" if self.condition else "length_scale"
+            raise InputError.of(name, "is for poses of three lengths, without angles of legs; leave it out")
+        if len(lengths) + len(angles) < LEAST:
+            free = next(name for name in (*LEGS, *ANGLES) if name not in (*lengths, *angles))
+            count = len(lengths) + len(angles)
+            message = f"is missing; lengths and angles are {count}, and a pose needs {LEAST}"
+            raise InputError.of(free, message)
+        read_tolerance(self.angle_tolerance_deg, is_needed=len(lengths) + len(angles) > LEAST)
+
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question, with the points in whose frame poses are told."""
-        plain = self.model_dump(exclude={"condition", "length_scale"})
+        missing = {*LEGS, *ANGLES, "angle_tolerance_deg"} - self.model_fields_set
+        plain = self.model_dump(exclude={"condition", "length_scale", *missing})
         return {**plain, **condition_member(self), **points_member(self.geometry)}
 
 

@@ -59,6 +59,12 @@ QUESTIONS: tuple[Entry, ...] = (
         "list the singular curves of a slice, its regions and aspects (plot draws them)",
         COMPUTE,
     ),
+    Entry(
+        ".workspaces:WorkspaceRequest",
+        "workspace",
+        "find the places that the limits of legs allow, and the singular conic",
+        COMPUTE,
+    ),
     Entry(".poses:AspectsRequest", "aspects", "find the aspects while a leg varies within a range", COMPUTE),
     Entry(
         ".modes:AssemblyModesRequest", "assembly-modes", "decide whether the assembly mode can change", PATHS

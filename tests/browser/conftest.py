@@ -180,7 +180,7 @@ def photograph() -> Callable[[Any, str], None]:
     return lambda page, name: page.screenshot(path=folder / f"{name}.png", full_page=True)
 
 
-EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "phone", "refuted", "space"}
+EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "merging", "phone", "refuted", "space"}
 """The states of the page that axe inspects each time; all others with `--long`."""
 
 
@@ -202,7 +202,7 @@ def inspect(
             (rule["id"], rule["help"], [node["html"][:200] for node in rule["nodes"]])
             for rule in found["violations"]
         ]
-        assert faults == []
+        assert faults == [], faults
         assert found["passes"]
 
     return inspected

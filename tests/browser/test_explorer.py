@@ -253,6 +253,7 @@ def test_what_is_wrong_or_unknown_is_explained(base_url: str, open_page: Open) -
     expect(page.locator("#notice")).to_contain_text("has 8 parts")
     expect(page.locator("#notice")).to_contain_text("write points: 15.91, not 15,91")
     count_is(page, "L1 = 27: 8 cusps")
+    page.locator("#mode-design").press("Space")
     page.locator("#l1").fill("28,1")
     expect(page.locator("#l1-error")).to_have_text("The comma is read as a decimal point: 28.1")
     count_is(page, "L1 = 28.1: 10 cusps")
@@ -421,8 +422,9 @@ def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page
 
 
 def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open) -> None:
-    page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98&m=design")
     count_is(page, "L1 = 14.98: 6 cusps")
+    expect(page.locator("#play")).to_be_enabled()
     x, y = middle(page.get_by_label(re.compile("^Base point A3")))
     page.mouse.move(x, y)
     page.mouse.down()
@@ -455,7 +457,7 @@ def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open)
 
 @pytest.mark.long
 def test_a_corner_of_the_platform_takes_its_sides_and_its_sense_along(base_url: str, open_page: Open) -> None:
-    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27")
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&m=design")
     count_is(page, "L1 = 27: 8 cusps")
     boxes = {
         name: page.locator(f"#mechanism-board [aria-label^='Platform point {name}']").bounding_box()
@@ -557,8 +559,8 @@ def test_the_poses_of_a_place_in_joint_space(base_url: str, open_page: Open, ins
     page.locator("#slice-board text.modes", has_text="4").first.click()
     expect(page.locator("#pose-count")).to_have_text(re.compile(r"^L1 = 27, L2 = \d.*: 4 poses$"))
     expect(poses).to_have_count(4)
-    expect(poses.first).to_be_checked()
-    b1 = page.locator("#mechanism-board .joint").nth(1)
+    poses.first.check()
+    b1 = page.get_by_label("Platform point B1")
     before = middle(b1)
     poses.first.focus()
     page.keyboard.press("ArrowDown")
@@ -586,6 +588,198 @@ def test_the_poses_of_a_place_in_joint_space(base_url: str, open_page: Open, ins
     assert "&p=" not in page.url
 
 
+OUTLINES = """() => {
+    const of = (name) => {
+        const line = document.querySelector(`#mechanism-board path.${name}`).getAttribute("d");
+        const points = [...line.matchAll(/[ML] ?([-\\d.e]+)[ ,]([-\\d.e]+)/g)];
+        return points.map(([, x, y]) => [Number(x), Number(y)]);
+    };
+    const others = of("ghost");
+    return [of("platform"), ...others.flatMap((_, k) => (k % 4 ? [] : [others.slice(k, k + 4)]))];
+}"""
+"""The corners of the platform and of the outlines of the other poses, in pixels."""
+
+
+def merged(page: Any) -> int:
+    """The most outlines that lie within a pixel of one."""
+    outlines = page.evaluate(OUTLINES)
+    return max(
+        sum(all(dist(*pair) < 1 for pair in zip(one, other, strict=True)) for other in outlines)
+        for one in outlines
+    )
+
+
+ON_CURVE = """() => {
+    const curve = document.querySelector("#slice-board path.singular");
+    const {left, top} = document.getElementById("slice-board").getBoundingClientRect();
+    const {x, y} = curve.getPointAtLength(0.7 * curve.getTotalLength());
+    return [x + left, y + top];
+}"""
+
+
+def test_poses_merge_where_the_joint_vector_is_dragged(
+    base_url: str, open_page: Open, inspect: Inspect
+) -> None:
+    """Two on a curve, three at a cusp; without a question to the service while it is dragged."""
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27", expected="422")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    vector, visited = page.get_by_label(re.compile("^Joint vector")), page.locator("#visited")
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.mouse.move(*middle(vector))
+    page.mouse.down()
+    x, y = middle(page.get_by_role("option", name=re.compile("^Cusp B")))
+    page.mouse.move(x + 30, y + 5, steps=3)
+    expect(visited).to_have_text(re.compile("[24] poses$"))
+    assert merged(page) == 1
+    assert asked == []
+    page.mouse.move(x + 2, y + 2)
+    expect(visited).to_have_text(re.compile("at cusp B three have merged$"))
+    page.wait_for_function(f"({OUTLINES})().length === 4")
+    assert merged(page) == 3
+    assert page.locator("#mechanism-board path.meeting").get_attribute("d"), "the legs' lines meet"
+    x, y = page.evaluate(ON_CURVE)
+    page.mouse.move(x + 20, y)
+    page.mouse.move(x + 3, y, steps=2)
+    expect(visited).to_have_text(re.compile("on the singular curve two have merged$"))
+    assert merged(page) == 2
+    page.mouse.up()
+    expect(page).to_have_url(re.compile(r"&p=\d+\.\d{9,},\d"))
+    expect(page.locator("#poses")).not_to_have_class(re.compile("stale"))
+    assert merged(page) == 2, "those of the service are at the same place"
+    inspect(page, "merging")
+    vector.focus()
+    page.keyboard.press("ArrowRight")
+    expect(visited).to_have_text(re.compile("[24] poses$"))
+    assert merged(page) == 1
+    page.goto("about:blank")
+
+
+KINEMATICS = """async ([geometry, curves, table]) => {
+    const names = ["geometry", "kinematics"];
+    const modules = names.map((name) => import(`/static/explorer/${name}.js`));
+    const [{measured}, {apart, besides, posesOf, singularNear, vectorOf}] = await Promise.all(modules);
+    const [lengths, l1] = [measured(geometry), Number(curves.l1)];
+    const isNear = (pose) => (other) => apart(other, pose) < 0.01;
+    const near = (pose, vector) => posesOf(lengths, vector).filter(isNear(pose)).length;
+    const strands = curves.components.flatMap((component) => component.strands);
+    const folds = strands.flatMap(({alpha_deg, theta1_deg}) => alpha_deg.map((alpha, k) => {
+        const pose = singularNear(lengths, {l1, alpha_deg: alpha, theta1_deg: theta1_deg[k]});
+        return near(pose, vectorOf(lengths, besides(lengths, pose)));
+    }));
+    return {
+        cusps: table.slices[0].cusps.map((cusp) => near(cusp, [l1, Number(cusp.l2), Number(cusp.l3)])),
+        fewest: Math.min(...folds),
+        folds: folds.length,
+    };
+}"""
+
+
+def test_poses_in_doubles_merge_at_every_fold_and_cusp(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27")
+    geometry = dict(zip(("a2x", "a3x", "a3y", "d1", "d2", "d3"), INNOCENTI[2:].split(","), strict=False))
+    question = {"geometry": geometry, "l1": "27"}
+    headers = {"Prefer": "wait=10"}
+    curves, table = (
+        httpx.post(f"{base_url}/v1/{path}", json=question, headers=headers).json()
+        for path in ("singular-curves", "cusp-tables")
+    )
+    found = page.evaluate(KINEMATICS, [geometry | {"orientation": "ccw"}, curves, table])
+    assert found["cusps"] == [3] * 8
+    assert found["folds"] > 100
+    assert found["fewest"] >= 2
+    page.goto("about:blank")
+
+
+def test_the_platform_is_moved_with_l1_kept(base_url: str, open_page: Open, photograph: Inspect) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&p=15.5,16.9,3")
+    count_is(page, "L1 = 27: 8 cusps")
+    before = page.url
+    corners = {name: page.get_by_label(re.compile(f"^Platform point {name}")) for name in ("B1", "B2", "B3")}
+    a1 = page.locator("#mechanism-board .joint").first
+    x, y = middle(corners["B2"])
+    held = middle(corners["B1"])
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 25, y + 15, steps=4)
+    expect(page.locator("#visited")).to_have_text(re.compile("poses?$"))
+    assert dist(middle(corners["B1"]), held) < 1, "it turns about B1"
+    page.mouse.up()
+    expect(page).to_have_url(re.compile(f"^{re.escape(base_url)}/#{INNOCENTI}&l1=27&.*&p="))
+    expect(page).not_to_have_url(before)
+    photograph(page, "moved")
+    spots = [middle(corner) for corner in corners.values()]
+    held, reach = spots[0], dist(middle(a1), spots[0])
+    x, y = (sum(spot[axis] for spot in spots) / 3 for axis in (0, 1))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 30, y - 30, steps=4)
+    page.wait_for_timeout(100)  # a picture is drawn
+    assert dist(middle(corners["B1"]), held) > 5
+    assert abs(dist(middle(a1), middle(corners["B1"])) - reach) < 1, "along its circle"
+    page.mouse.up()
+    corners["B3"].focus()
+    page.keyboard.press("ArrowUp")
+    expect(page.locator("#l1")).to_have_value("27")
+    page.goto("about:blank")
+
+
+def test_a_click_on_the_torus_shows_the_pose(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&c=A&v=torus")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    box = page.locator("#slice-board").bounding_box()
+    place = [box["x"] + 0.6 * box["width"], box["y"] + 0.6 * box["height"]]
+    page.mouse.move(*place)
+    expect(page.locator("#tip")).to_have_text(
+        re.compile(r"J [<>] 0: \d+ % of all poses, no singularity inside")
+    )
+    page.mouse.click(*place)
+    expect(page).to_have_url(re.compile(r"&v=torus&p=[\d.]+,[\d.]+,\d"))
+    spot = page.locator("#slice-board .pose-point.chosen")
+    assert dist(middle(spot), place) < 2
+    side = page.locator("#slice-board .seam").first.bounding_box()
+    page.mouse.move(side["x"] + side["width"] / 2, side["y"] + 40)
+    expect(page.locator("#tip")).to_contain_text("are one line: 180° is −180°")
+
+
+def test_the_selected_cusp_is_followed_to_its_end(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=26.8&c=G")
+    count_is(page, "L1 = 26.8: 8 cusps")
+    expect(page.locator("#visited")).to_have_text(re.compile("^Cusp G: L2 = 35.5078"))
+    expect(page.locator("#play")).to_be_enabled()
+    page.locator("#l1").fill("26.78")
+    count_is(page, "L1 = 26.78: 6 cusps")
+    expect(page.locator("#visited")).to_have_text(re.compile("^Cusp E: L2 = 35.5009"))
+    expect(page).to_have_url(re.compile("l1=26.78&c=E"))
+    page.go_back()
+    count_is(page, "L1 = 26.8: 8 cusps")
+    page.get_by_role("option", name=re.compile("^Cusp F")).click()
+    expect(page).to_have_url(re.compile("l1=26.8&c=F"))
+    expect(page.locator("#play")).to_be_enabled()
+    page.locator("#l1").fill("26")
+    ended = "^The selected cusp ended at L1 = 26.7864 .beak-to-beak.. Selected now: Cusp "
+    expect(page.locator("#visited")).to_have_text(re.compile(ended))
+    page.goto("about:blank")
+
+
+def test_the_wheel_zooms_about_the_pointer(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27")
+    count_is(page, "L1 = 27: 8 cusps")
+    one, other = (page.get_by_role("option", name=re.compile(f"^Cusp {letter}")) for letter in "DH")
+    place, way = middle(one), dist(middle(one), middle(other))
+    page.mouse.move(*place)
+    page.mouse.wheel(0, -240)
+    page.wait_for_function(
+        "way => { const [one, other] = ['D', 'H'].map(letter => document.querySelector("
+        "`#slice-board [aria-label^='Cusp ${letter}']`).getBoundingClientRect());"
+        " return Math.hypot(one.x - other.x, one.y - other.y) > 1.5 * way; }",
+        arg=way,
+    )
+    assert dist(middle(one), place) < 3
+
+
 def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: Inspect) -> None:
     page = open_page(base_url, reduced_motion="no-preference")
     count_is(page, "L1 = 27: 8 cusps")
@@ -603,8 +797,10 @@ def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: 
         "L2 = 15.5, L3 = 16.9, at least 4.01° from a singularity"
     )
     inspect(page, "loop")
+    ends = page.evaluate(OUTLINES)
     play.click()  # and back
     expect(play).to_have_text("Pause")
+    page.wait_for_function(f"length => ({OUTLINES})().length !== length", arg=len(ends))  # others vanish
     expect(place).not_to_have_value("100")
     play.click()
     expect(play).to_have_text("Play")
@@ -729,7 +925,7 @@ POINTS = "g=points,0,0,40,10,90,-20;points,0,0,12,0,5,6*sqrt(2)"
 def test_a_machine_by_points_keeps_its_spelling_and_its_frame(
     base_url: str, open_page: Open, inspect: Inspect
 ) -> None:
-    page = open_page(f"{base_url}/#{POINTS}&l1=30&p=14.9,72,1", expected="422")
+    page = open_page(f"{base_url}/#{POINTS}&l1=30&p=14.9,72,1&m=design", expected="422")
     count_is(page, "L1 = 30: 6 cusps")
     expect(page.get_by_label("A3 y")).to_have_value("-20")
     corners = [page.locator("#mechanism-board .joint").first]
@@ -747,7 +943,7 @@ def test_a_machine_by_points_keeps_its_spelling_and_its_frame(
     page.go_back()
     open_tab(page, "Geometry")
     inspect(page, "points")
-    assert page.url.endswith(f"#{POINTS}&l1=30&c=A&v=joint&p=14.9,72,1")
+    assert page.url.endswith(f"#{POINTS}&l1=30&c=A&v=joint&p=14.9,72,1&m=design")
     page.get_by_label("A2 y").fill("sqrt(7)")
     expect(page.get_by_label("A3 y")).to_have_attribute("aria-invalid", "true")
     expect(page.locator(".error", has_text="-20 is at odds with y of A2 = sqrt(7)")).to_be_visible()
@@ -864,6 +1060,7 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
 @pytest.mark.long
 def test_while_something_moves_three_questions_are_asked_at_a_time(base_url: str, open_page: Open) -> None:
     page = open_page(base_url)
+    page.locator("#mode-design").check()
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
     asked: list[dict[str, Any]] = []

@@ -42,9 +42,12 @@ from service.client import (
     pose_connections,
     pose_path,
     poses,
+    sensed_poses,
     singular_curves,
     stub,
     verify_document,
+    workspace,
+    workspace_sweep,
 )
 from service.errors import ServiceError
 from service.schemas.plots import PlotRequest
@@ -129,6 +132,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         poses(ZEIN, 15, "61/2", 40, digits=15),
         lambda: rpr_solver.poses(ZEIN, 15, "61/2", 40, digits=15).to_json(),
     ),
+    "poses with angles": (
+        sensed_poses(ZEIN, {"l1": 15, "l2": 20}, {"angle3": 100}, digits=15),
+        lambda: rpr_solver.sensed_poses(ZEIN, {"l1": 15, "l2": 20}, {"angle3": 100}, digits=15).to_json(),
+    ),
     "singular curves": (
         singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01"),
         lambda: rpr_solver.singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01").to_json(),
@@ -140,6 +147,14 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
             "range": {"from": "27", "to": None},
             "aspects": [x.to_json() for x in rpr_solver.aspects(FIRST, 27, fixed_leg=3)],
         },
+    ),
+    "workspace": (
+        workspace(ZEIN, 30, {"l1": (5, 20), "l2": (None, 15)}, digits=20),
+        lambda: rpr_solver.workspace(ZEIN, 30, {"l1": (5, 20), "l2": (None, 15)}, digits=20).to_json(),
+    ),
+    "workspaces of several orientations": (
+        workspace_sweep(ZEIN, -10, 10, "7.5", {"l1": (5, 20)}),
+        lambda: rpr_solver.workspace_sweep(ZEIN, -10, 10, "7.5", {"l1": (5, 20)}).to_json(),
     ),
     "assembly modes": (
         assembly_modes(FIRST, 27, limits={"l2": (20, 30), "l3": (20, None)}),

@@ -207,6 +207,15 @@ def _aspects(rng: random.Random, _of: Json) -> Json:
     }
 
 
+def _workspace(rng: random.Random, _of: Json) -> Json:
+    phi = rng.randint(-180, 150)
+    many = {"from": str(phi), "to": str(phi + 20), "step": rng.choice(["5", "10"])}
+    limits = {
+        f"l{leg}": {"min": str(rng.randint(1, 9)), "max": str(rng.randint(10, 40))} for leg in (1, 2, 3)
+    }
+    return {"phi": rng.choice([str(phi), many]), "limits": limits}
+
+
 def _plot(rng: random.Random, _of: Json) -> Json:
     plot = rng.choice(["slice", "torus", "slice", "census"])
     leg = rng.choice([1, 2, 3])
@@ -228,6 +237,7 @@ QUESTIONS: Mapping[str, tuple[float, Callable[[random.Random, Json], Json]]] = {
     "checks": (3, _check),
     "cusp-curves": (1, _curves),
     "aspects": (1, _aspects),
+    "workspaces": (1, _workspace),
     "plots": (2, _plot),
     "margins": (1, _margin),
     "assembly-modes": (2, _modes),

@@ -28,7 +28,7 @@ PLAIN_OPTIONS = (
 """Members of a question that are options of the search as they are."""
 SHARES = 4
 """Chunks of a job, so that as many workers share a search."""
-_PROOF_SECONDS = 6.0
+_PROOF_SECONDS = 1.6
 _SAMPLE = 0.6
 """Of the cost of a census: what a candidate takes, which needs no aspects, with its share of the search."""
 _PAUSE, _AGAIN = 0.02, 1.0

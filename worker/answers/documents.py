@@ -23,6 +23,7 @@ from rpr_solver.contract import (
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import draw, size_of
+from rpr_solver.sensed.sensed_poses import ANGLES
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,
@@ -47,15 +48,22 @@ from worker.answers.kind import (
     in_turn,
 )
 from worker.answers.paths import PATH, USUAL
+from worker.answers.workspaces import WORKSPACE
 
 
 def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
-    """Compute all poses of one joint vector, which takes milliseconds, or those along a leg.
+    """Compute all poses of one joint vector, which takes milliseconds, or those along a leg, or with angles.
 
     Raises:
         SolverError: the moving leg has one length along a whole curve of poses.
     """
-    lengths = {leg: request.content[leg] for leg in LEGS}
+    lengths = {leg: request.content[leg] for leg in LEGS if leg in request.content}
+    angles = {name: request.content[name] for name in ANGLES if name in request.content}
+    if angles:
+        tolerance = request.content.get("angle_tolerance_deg")
+        return rpr_solver.sensed_poses(
+            request.as_given, lengths, angles, angle_tolerance_deg=tolerance, digits=request.digits
+        ).to_json()
     if (moving := _moving(request.content)) is None:
         table = rpr_solver.poses(request.as_given, *lengths.values(), digits=request.digits)
         if (asked := request.content.get("condition")) is not None:
@@ -69,7 +77,7 @@ def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
 
 def _moving(content: Content) -> str | None:
     """The leg that has a range of lengths."""
-    return next((leg for leg in LEGS if isinstance(content[leg], Mapping)), None)
+    return next((leg for leg in LEGS if isinstance(content.get(leg), Mapping)), None)
 
 
 def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
@@ -171,7 +179,8 @@ def _poses_cost(size: Sizes) -> float:
 def _singular_cost(size: Sizes) -> float:
     """The slice, the sweep, a sextic for each region, and the drawing."""
     drawing = 0.08 + 8e-4 * size.fineness
-    return drawing + elimination_at_one(size) + 2 * one_slice(size) + 3e-4 * (size.geometry + size.lengths)
+    slices = 2 * one_slice(replace(size, nearness=size.nearness // 3))
+    return drawing + elimination_at_one(size) + slices + 3e-4 * (size.geometry + size.lengths)
 
 
 def _aspects_cost(size: Sizes) -> float:
@@ -228,9 +237,9 @@ def curves_cost(size: Sizes) -> float:
     """All transitions, curves between them, and those of each length.
 
     Transitions of a nearly special shape are close to each other, which makes cusps hard to follow, up to a
-    bound of work.
+    bound of work: 0.7 to 8 s.
     """
-    narrow = min(3.5, 0.04 * size.nearness**2)
+    narrow = min(1.8, 0.02 * size.nearness**2)
     return 0.9 + all_events(size) + narrow + (0.035 + one_slice(size)) * size.count
 
 
@@ -259,6 +268,7 @@ _SHOWN: Mapping[str, tuple[Kind, tuple[str, ...], Content]] = {
     "slice": (SINGULAR_CURVES, ("fixed_leg", "length"), {"tolerance": TOLERANCE}),
     "path": (PATH, ("fixed_leg", "length", "cusp"), USUAL),
     "poses": (POSES, ("l1", "l2", "l3"), {}),
+    "workspace": (WORKSPACE, ("phi", "limits"), {}),
 }
 """What a picture shows: the kind of the document, and the members of its question: those that are the
 picture's, and others."""
@@ -299,6 +309,7 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {member: content[member] for member in ("geometry", *own)}
+        asked |= {"points": content["points"]} if "points" in content else {}
         question = {**asked, "digits": DIGITS, **others, **more}
         return answer(JobRequest(kind, question, points=request.points), store, progress)
 
@@ -365,6 +376,7 @@ _DRAWN: Mapping[str, Drawing] = {
     "projections": _view("curves", "projections"),
     "loop": lambda _content, shown: draw(shown("path"), curves=shown("slice")),
     "mechanism": _mechanism,
+    "workspace": lambda _content, shown: draw(shown("workspace")),
 }
 PLOTS = tuple(_DRAWN)
 """What can be drawn."""

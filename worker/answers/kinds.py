@@ -38,6 +38,7 @@ from worker.answers.tables import (
     solved,
     stored_table,
 )
+from worker.answers.workspaces import WORKSPACE
 
 KINDS: tuple[Kind, ...] = (
     CUSP_TABLE,
@@ -48,6 +49,7 @@ KINDS: tuple[Kind, ...] = (
     CUSP_CURVES,
     PATH,
     SINGULAR_CURVES,
+    WORKSPACE,
     ASPECTS,
     MODES,
     CONNECTIONS,

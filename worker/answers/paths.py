@@ -109,7 +109,7 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
         size,
         count=count,
         deviations=count if content.get("motion") or content.get("sampling") else 0,
-        censuses=int(of_poses and not is_limited),
+        censuses=int(of_poses and not is_limited and bool(content.get("between"))),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
         + ((_WIDE_IN_RANGE if content.get("between") else _WIDE) if "clearance" in content else 0)
         + (_OF_CONDITIONS if "condition" in content else 0),
@@ -152,12 +152,12 @@ def _longest(geometry: Canonical) -> Fraction:
 def _path_cost(size: Sizes) -> float:
     """The slice, the search of the path, its samples, and what the legs deviate between them."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
-    search = 0.05 + 0.001 * size.nearness + size.limited * _SUBDIVISION
+    search = 0.03 + 2e-4 * size.nearness + size.limited * _SUBDIVISION
     deviations = 8e-4 * size.deviations
     return (
         search
         + elimination_at_one(size)
-        + one_slice(size)
+        + one_slice(replace(size, nearness=0))
         + sample * size.count
         + deviations
         + size.censuses * all_events(size)

@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.notebook import read_cell
+from rpr_solver.sensed.sensed_poses import ANGLES
 from service.api.answer import json_of
 from service.api.batches.bodies import CheckSize, Sent, invalid, lines
 from service.api.problems import ProblemError
@@ -22,7 +23,7 @@ from service.schemas.columns import COLUMNS as GEOMETRY
 from service.schemas.columns import EXPECTED, advice_on, form_of, geometry_of
 from service.schemas.document import Document, JsonNumber, Source, at, part
 from service.schemas.foreign import foreign
-from service.schemas.lengths import ENDS, SLICE_COLUMNS, leg_of
+from service.schemas.lengths import ENDS, LIMIT_COLUMNS, PHI_COLUMNS, SLICE_COLUMNS, leg_of
 from service.schemas.limits import Limits
 from service.schemas.questions import check_price
 from service.schemas.resources import KIND_NAMES, BatchItem
@@ -36,6 +37,7 @@ _TRUTH: Mapping[str, bool] = {"true": True, "false": False}
 _REQUIREMENT = ("max_cusps", "min_cusps", "degenerate", "mode_change")
 COLUMNS = (
     "id", "kind", *GEOMETRY, *LEGS, *SLICE_COLUMNS, *_NUMBERS, "method",
+    *PHI_COLUMNS, *LIMIT_COLUMNS, *ANGLES, "angle_tolerance_deg",
     "plot", "theme", "cusp",
     *_REQUIREMENT, *_FLAGS,
 )  # fmt: skip
@@ -137,12 +139,22 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
             request["range" if has_range else leg] = {x.removeprefix(f"{leg}_"): ends[x] for x in ends}
         if leg in cells:
             request[leg] = _lengths(cells.pop(leg), fields.get(leg))
+    request |= _of_workspace(taken(PHI_COLUMNS[1:]), taken(LIMIT_COLUMNS))
     request |= {x: JsonNumber(number) for x, number in taken(_NUMBERS).items()}
     request |= _with_truth(cells)
     for own, members in parts.items():
         moved = [x for x in members if x in request and x not in fields]
-        request[own] = {x: request.pop(x) for x in moved}
+        request[own] = {**request.get(own, {}), **{x: request.pop(x) for x in moved}}
     return {**name, "kind": kind, "request": request}
+
+
+def _of_workspace(ends: Mapping[str, str], limits: Mapping[str, str]) -> dict[str, Any]:
+    """The orientations and the joint limits that cells give."""
+    found: dict[str, Any] = {"phi": {x.removeprefix("phi_"): ends[x] for x in ends}} if ends else {}
+    for column, text in limits.items():
+        leg, _, end = column.partition("_")
+        found.setdefault("limits", {}).setdefault(leg, {})[end] = text
+    return found
 
 
 def _check_ranges(cells: Mapping[str, str], *, of_fixed_leg: bool) -> None:
@@ -150,7 +162,7 @@ def _check_ranges(cells: Mapping[str, str], *, of_fixed_leg: bool) -> None:
     own = leg_of(cells)
     for name in cells:
         leg, _, end = name.partition("_")
-        if leg in LEGS and end:
+        if leg in LEGS and end in ENDS:
             if of_fixed_leg and own is not None and leg != f"l{own}":
                 raise InputError.of(name, f"with fixed_leg {own} the range is that of l{own}")
             if not of_fixed_leg and leg in cells:

@@ -17,7 +17,7 @@ from service.api.contract.responses import (
 )
 from service.schemas.columns import COLUMNS as GEOMETRY
 from service.schemas.columns import ORIENTATION, POINTS, SIDES, SIX
-from service.schemas.lengths import SLICE_COLUMNS
+from service.schemas.lengths import LIMIT_COLUMNS, PHI_COLUMNS, SLICE_COLUMNS
 from service.schemas.numbers import NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
 from service.schemas.questions import Question
 
@@ -41,6 +41,9 @@ _QUERY: Mapping[str, tuple[str, dict[str, Any]]] = {
     ORIENTATION: ("Of the platform, if it has no points.", ref("Orientation")),
     **dict.fromkeys(LEGS, (_LENGTHS, {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)})),
     **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
+    PHI_COLUMNS[0]: ("The orientation in degrees; or `phi_from`, `phi_to` and `phi_step`.", _NUMBER),
+    **dict.fromkeys(PHI_COLUMNS[1:], ("Of several orientations, in steps.", _NUMBER)),
+    **dict.fromkeys(LIMIT_COLUMNS, ("A joint limit of a leg.", _NUMBER)),
     "width_mm": ("For print: the width in millimetres, 80 to 400.", _POSITIVE),
     "cusp": (
         "Of a loop, or of the mechanism: the number or the letter of a cusp.",

@@ -80,6 +80,15 @@ def test_generic_curves_begin_and_end_in_pairs(name: str, fixed_leg: int) -> Non
     assert all(len(end.events) == (end.kind != "open") for end in ends)
 
 
+def test_curves_that_nearly_are_one_are_followed_apart() -> None:
+    """Within 2e-6 of similar triangles cusps are close to each other on the whole way, and events too."""
+    m = Manipulator("8.5", "1.9575", "22.4147", "60.6333", "166.563", "160.5")
+    curves = cusp_curves(m, digits=15)
+    agrees_with(curves, census_of(m))
+    ends = [end for c in curves.curves for end in (c.start, c.stop)]
+    assert all(end.joins is not None for end in ends)
+
+
 def test_the_first_manipulators_curves() -> None:
     """Twelve pairs are born; four cusps remain for every L1 beyond the last transition."""
     curves = curves_of(INNOCENTI)

@@ -112,7 +112,7 @@ def test_one_follower_passes_through_slice_after_slice() -> None:
 def test_too_few_tubes_lead_nowhere_and_more_go_on() -> None:
     eliminant = eliminant_of(FLAT)
     scale = eliminant.slice_map.scale
-    ends = Fraction(29), Fraction(60)
+    ends = Fraction(29), Fraction(900)
     cusp = cusps_of(eliminant, ends[0], DIGITS)[0]
     walking = follower(eliminant, cusp, ends[0], upwards=True)
     low, high = (x * scale for x in ends)
@@ -225,7 +225,7 @@ def test_where_the_first_two_cusps_are_born_they_meet_each_other() -> None:
 
 
 def test_curves_that_take_too_many_tubes_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(follower_module, "_MOST_WORK", 20)
+    monkeypatch.setattr(follower_module, "_MOST_WORK", 10)
     tracker = Tracker(eliminant_of(FLAT), DIGITS)
     with pytest.raises(Unproved, match="bound of work"):
         all_from(tracker, Fraction("34.6"), Fraction("36.2"))

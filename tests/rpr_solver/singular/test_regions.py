@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from rpr_solver import EXAMPLES, Manipulator, census, poses, singular_curves, trace_slice, verify_document
+from rpr_solver.errors import SolverError
 from rpr_solver.model.fibre import Closure, fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.regions import number_of_poses
@@ -45,6 +46,26 @@ def test_regions_of_the_examples(name: str, length: str, expected: list[int]) ->
     curves = traced(name, 1, length)
     assert [region.poses for region in curves.regions] == expected
     assert curves.thin_regions == 0
+
+
+@pytest.mark.parametrize("exponent", [200, -200, -285])
+def test_regions_in_any_unit_are_the_same(exponent: int) -> None:
+    unit, m = Fraction(10) ** exponent, EXAMPLES["innocenti"]
+    sides = (m.a2x, m.a3x, m.a3y, m.d1, m.d2, m.d3)
+    curves = singular_curves(Manipulator(*(side * unit for side in sides)), Fraction("14.98") * unit)
+    known = singular_curves(m, "14.98")
+    assert [region.poses for region in curves.regions] == [region.poses for region in known.regions]
+    for region, other in zip(curves.regions, known.regions, strict=True):
+        (x, y), (p, q) = region.rings[0][0], other.rings[0][0]
+        assert (x / float(unit), y / float(unit)) == pytest.approx((p, q), rel=1e-6)
+        lengths = (curves.length, *region.point)
+        assert poses(curves.manipulator, *lengths, digits=15).count_with_multiplicity == region.poses
+
+
+def test_curves_that_are_a_point_of_doubles_have_no_regions() -> None:
+    curves = singular_curves(EXAMPLES["innocenti"], Fraction(10) ** 20)
+    with pytest.raises(SolverError, match="double precision"):
+        _ = curves.regions
 
 
 @pytest.mark.long

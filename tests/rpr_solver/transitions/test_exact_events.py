@@ -23,6 +23,7 @@ from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.bridge import exact_direction
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.transitions import exact_events
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric, System
 from rpr_solver.transitions.exact_events import (
     _apart,
@@ -152,7 +153,7 @@ def test_events_above_exact_roots() -> None:
     with mp.workdps(DIGITS):
         for event in own[::2]:
             length = number(event.scaled_length(256)) / real(system.slice_map.scale)
-            assert slices.kind(place_of(event.pose.local.pose, length)) is event.pose.kind
+            assert slices.kind(place_of(event.pose.exact().local.pose, length)) is event.pose.kind
 
 
 def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
@@ -242,9 +243,30 @@ def test_polynomials_in_the_length_are_a_ring(
 def test_an_event_of_an_exact_pose_is_all_in_one_field() -> None:
     [event, _] = permanent_events(systems_of(family("isosceles"), 3).permanent)
     assert event.pose is not None
-    p = event.pose.local.pose
+    p = event.pose.exact().local.pose
     assert len({id(x.field) for x in (p.cos_alpha, p.sin_alpha, p.cos_theta, p.sin_theta, p.length)}) == 1
     assert (p.cos_alpha * p.cos_alpha + p.sin_alpha * p.sin_alpha - 1).is_zero
+
+
+def test_permanent_events_beside_an_equilateral_pair_need_no_field_of_their_direction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sides = {"sides": ["9", "9", "9.000000009"]}
+    m = Manipulator.from_json({"base": sides, "platform": {"sides": ["sqrt(84)"] * 3}})
+    permanent = permanent_of(m, 2)
+    with monkeypatch.context() as patch:
+        patch.setattr(exact_events, "_upright", None)
+        found = list(permanent_events(permanent))
+        places = [(event.scaled_length(256), event.pose.coordinates(256)) for event in found]
+        fields = [event.exact_length.field.degree for event in found]
+    assert [event.pose.kind for event in found] == ["swallowtail"] * 4
+    assert max(fields) == 16
+    event, (length, place) = found[0], places[0]
+    pose = event.pose.exact()
+    assert pose.kind is event.pose.kind
+    assert pose.length.ball(256).overlaps(length)
+    assert event.exact_length.ball(256).overlaps(length)
+    assert all(x.overlaps(y) for x, y in zip(pose.coordinates(256), place, strict=True))
 
 
 P = next(primes(1))[0]

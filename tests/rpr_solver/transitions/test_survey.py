@@ -344,3 +344,12 @@ def test_a_pose_that_solves_several_systems_is_listed_once() -> None:
     [transition] = census(FOLDED, fixed_leg=3, digits=15, start="3.9", stop="4.1").transitions
     assert transition.length == "4.00000000000000"
     assert [event.kind for event in transition.events] == ["node"]
+
+
+def test_sides_of_very_different_sizes_are_refused_at_once() -> None:
+    far = replace(EXAMPLES["innocenti"], a2x=Fraction(10) ** 399)
+    for fixed_leg in (1, 2, 3):
+        with pytest.raises(Unproved, match="1e60"):
+            census(far, fixed_leg=fixed_leg, digits=15)
+    wide = replace(EXAMPLES["innocenti"], a2x=Fraction(10) ** 20)
+    assert len(census(wide, digits=15).transitions) == 20

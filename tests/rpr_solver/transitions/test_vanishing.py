@@ -86,6 +86,8 @@ def roots(base: list[str], platform: list[str]) -> Manipulator:
         (roots(["9.7", "16.53", "17.5"], ["9.7", "16.5299999999998347", "17.5"]), 3),
         # a symmetry's image, close to another root
         (Manipulator("7.071067811865475", 0, "7.071067811865475", *SIDES), 1),
+        # L is 0 or infinite above roots whose field is small, while the eliminant is long
+        (roots(["sqrt(48)"] * 3, ["3.000000000000000000000000000003", "3", "3"]), 1),
     ],
 )
 def test_beside_a_special_shape_no_event_needs_a_number_field(

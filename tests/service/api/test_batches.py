@@ -196,6 +196,22 @@ def test_results_as_one_array(client: httpx.Client) -> None:
     assert client.get(url, params={"format": "csv"}).status_code == 422
 
 
+def test_rows_of_workspaces_and_of_poses_with_angles(client: httpx.Client) -> None:
+    head = f"kind,{HEAD},l1,phi,phi_from,phi_to,phi_step,l1_min,l1_max,l2_max,angle2,angle3,digits"
+    rows = [
+        f"workspace,{ROW},,30,,,,5,30,25,,,15",
+        f"workspace,{ROW},,,0,60,30,,30,,,,15",
+        f"poses,{ROW},15,,,,,,,,150,45,15",
+        f"workspace,{ROW},,30,,,,5,,,,,15",
+    ]
+    got = results(client, submitted(client, "\n".join([head, *rows]), CSV))
+    assert [line["status"] for line in got] == ["succeeded", "succeeded", "succeeded", "failed"]
+    assert got[0]["result"]["limits"] == {"l1": {"min": "5", "max": "30"}, "l2": {"min": None, "max": "25"}}
+    assert [row["phi_deg"] for row in got[1]["result"]["orientations"]] == ["0", "30", "60"]
+    assert got[2]["result"]["sensed"] == {"l1": "15", "angle2": "150", "angle3": "45"}
+    assert got[3]["problem"]["errors"][0]["field"] == "items[3].request.limits"
+
+
 def test_rows_of_every_kind(client: httpx.Client) -> None:
     head = f"\ufeffid,kind,{HEAD},fixed_leg,l1,l1_from,l1_to,l1_step,l2,l3,digits,max_cusps,sensitivities"
     rows = [

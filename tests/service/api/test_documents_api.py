@@ -14,7 +14,17 @@ import pytest
 from redis import Redis
 
 import rpr_solver
-from rpr_solver import EXAMPLES, cusp_curves, leg_poses, poses
+from rpr_solver import (
+    EXAMPLES,
+    cusp_curves,
+    leg_poses,
+    poses,
+    poses_csv,
+    sensed_poses,
+    workspace,
+    workspace_csv,
+    workspace_sweep,
+)
 from rpr_solver.figures.views import figure_of
 from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTable
@@ -47,6 +57,63 @@ def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert len(lines) == 1 + len(answer.json()["intervals"])
     refused = api.post("/v1/poses", json={**along, "l3": {"from": 1, "to": 2}})
     assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "l3")
+
+
+def test_workspaces_at_one_orientation_and_at_several(api: httpx.Client) -> None:
+    limits = {"l1": {"min": 5, "max": 30}, "l2": {"max": "25"}}
+    bounds = {"l1": (5, 30), "l2": (None, 25)}
+    innocenti = EXAMPLES["innocenti"]
+    for phi, expected in (
+        (30, workspace(innocenti, 30, bounds)),
+        ({"from": -30, "to": 30, "step": 30}, workspace_sweep(innocenti, -30, 30, 30, bounds)),
+    ):
+        asked = {"geometry": GEOMETRY, "phi": phi, "limits": limits}
+        answer = api.post("/v1/workspaces", json=asked)
+        assert answer.json() == expected.to_json()
+        assert is_whole("Workspace", answer.json())
+        named = {"phi": "30"} if phi == 30 else {"phi_from": "-30", "phi_to": "30", "phi_step": "30"}
+        query = {**GEOMETRY, **named, "l1_min": 5, "l1_max": 30, "l2_max": "25"}
+        assert api.get("/v1/workspaces", params=query).json() == expected.to_json()
+        lines = api.get("/v1/workspaces", params={**query, "format": "csv"}).text.splitlines()
+        assert lines == workspace_csv(expected.to_json()).splitlines()
+        picture = api.post("/v1/workspaces", json=asked, headers={"Accept": "image/svg+xml"})
+        assert picture.text.startswith("<svg")
+    refused = api.post("/v1/workspaces", json={**asked, "limits": {"l1": {"min": 5}}})
+    assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "limits")
+
+
+def test_the_picture_of_a_workspace_is_in_the_frame_of_the_points(api: httpx.Client) -> None:
+    base, platform = [[100, 0], [110, 0], [105, 8]], [[0, 0], [3, 0], [1, 2]]
+    machine = {"base": {"points": base}, "platform": {"points": platform}}
+    asked = {"plot": "workspace", "geometry": machine, "phi": 20, "limits": {"l1": {"min": 2, "max": 8}}}
+    answer = api.post("/v1/plots", json=asked)
+    assert answer.status_code == 200
+    assert "105" in answer.json()["svg"]  # on the axis
+    refused = api.post("/v1/plots", json={**asked, "l1": 5})
+    assert refused.json()["errors"][0]["field"] == "l1"
+
+
+def test_poses_with_angles_of_legs(api: httpx.Client) -> None:
+    innocenti = EXAMPLES["innocenti"]
+    asked = {"geometry": GEOMETRY, "l1": 15, "angle2": 150, "angle3": "45", "digits": 20}
+    expected = sensed_poses(innocenti, {"l1": 15}, {"angle2": 150, "angle3": 45}, digits=20).to_json()
+    answer = api.post("/v1/poses", json=asked)
+    assert answer.json() == expected
+    assert is_whole("Poses", answer.json())
+    csv = api.post("/v1/poses", json=asked, headers={"Accept": "text/csv"}).text
+    assert csv.splitlines() == poses_csv(expected).splitlines()
+    more = {**POSES, "angle1": "23.61", "angle_tolerance_deg": "0.01"}
+    assert api.post("/v1/poses", json=more).json()["count"] == 1
+    for change, field in (
+        ({"angle_tolerance_deg": None}, "angle_tolerance_deg"),
+        ({"l1": {"from": 1, "to": 3}}, "l1"),
+        ({"angle1": 1000}, "angle1"),
+    ):
+        body = {name: value for name, value in {**more, **change}.items() if value is not None}
+        refused = api.post("/v1/poses", json=body)
+        assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, field)
+    few = api.post("/v1/poses", json={"geometry": GEOMETRY, "angle1": 3, "l1": 2})
+    assert [error["field"] for error in few.json()["errors"]] == ["l2"]
 
 
 ROUNDED = {

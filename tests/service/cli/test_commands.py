@@ -24,12 +24,16 @@ from rpr_solver import (
     pose_path,
     poses,
     restrict_census,
+    sensed_poses,
     singular_csv,
     singular_curves,
     table_csv,
     tolerance_census,
     with_condition,
     with_sensitivities,
+    workspace,
+    workspace_csv,
+    workspace_sweep,
 )
 from rpr_solver.article.table import article_document
 from rpr_solver.notebook.style import Style
@@ -121,6 +125,37 @@ def test_changes_of_assembly_mode(run_here: Run, options: tuple[str, ...], statu
     done = run_here("assembly-modes", "-", *options, stdin=json.dumps(MIRRORED))
     assert done.returncode == status
     assert shown in (done.stderr if status == 2 else done.stdout)
+
+
+def test_workspaces(run_here: Run) -> None:
+    options = ("--l1-limits", "5:30", "--l2-limits", ":25")
+    bounds = {"l1": (5, 30), "l2": (None, 25)}
+    expected = workspace(EXAMPLES["innocenti"], -30, bounds).to_json()
+    asked = ("workspace", "innocenti", "--phi", "-30", *options)
+    assert json.loads(run_here(*asked, "--json").stdout) == expected
+    shown = run_here(*asked).stdout
+    assert all(region["area"] in shown for region in expected["regions"])
+    swept = workspace_sweep(EXAMPLES["innocenti"], -30, 30, 15, bounds).to_json()
+    done = run_here("workspace", "innocenti", "--phi", "-30:30:15", *options, "--format", "csv")
+    assert done.stdout == workspace_csv(swept)
+    assert run_here("plot", "innocenti", "--kind", "workspace", "--phi", "-30", *options).stdout.startswith(
+        "<svg"
+    )
+    assert run_here("workspace", "innocenti", "--phi", "x", *options).stderr.startswith(
+        "rpr-cusps workspace: --phi"
+    )
+
+
+def test_poses_with_angles(run_here: Run) -> None:
+    expected = sensed_poses(
+        EXAMPLES["innocenti"], {"l1": 15}, {"angle2": 150, "angle3": 45}, digits=15
+    ).to_json()
+    asked = ("poses", "innocenti", "--l1", "15", "--angle2", "150", "--angle3", "45", "--digits", "15")
+    assert json.loads(run_here(*asked, "--json").stdout) == expected
+    assert all(pose["l2"] in run_here(*asked).stdout for pose in expected["poses"])
+    contradicting = ("--angle1", "0", "--angle-tolerance", "0.5")
+    assert "No pose agrees with angle" in run_here(*asked, *contradicting).stdout
+    assert run_here(*asked, "--angle1", "0").returncode == 2
 
 
 def test_poses_along_a_leg(run_here: Run) -> None:
@@ -377,7 +412,7 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("poses", "innocenti", "--l1", "1"), "--l2/--l2-range, --l3/--l3-range"),
+        (("poses", "innocenti", "--l1", "1"), "--l2: is missing; give a number"),
         (("path", "innocenti"), "--l1: is missing; give a number"),
         (("singular-curves", "innocenti"), "--l1: is missing; give a number"),
         (

@@ -23,6 +23,7 @@ from worker.answers.kind import ALL_LENGTHS, JobRequest, Kind
 from worker.answers.kinds import KINDS, seconds_after
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
+from worker.answers.workspaces import WORKSPACE
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()
 EXTREME = {"a2x": "1" + "0" * 200, "a3x": "0", "a3y": "1", "d1": "1", "d2": f"0.{'0' * 99}1", "d3": "1"}
@@ -53,6 +54,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     PATH: {"length": "27", "cusp": 1, "samples": 101},
     SINGULAR_CURVES: {"length": "27", "tolerance": "0.001"},
     ASPECTS: {"range": {"from": "27", "to": "30"}},
+    WORKSPACE: {"phi": "30", "limits": {"l1": {"min": "5", "max": "30"}}},
     MARGIN: {"length": "28.1", "tolerance": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1")},
     CONNECTIONS: {"l1": "27", "l2": "20", "l3": "20", "limits": {"l2": {"min": "5", "max": "21"}}},
     MODES: {"range": {"from": "27", "to": "30"}},
@@ -201,7 +203,7 @@ def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, An
         (CUSP_TABLE, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),  # 26
         (SINGULAR_CURVES, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
         (PATH, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
-        (CUSP_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 4),  # > 20
+        (CUSP_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 2.5),  # 2.8
         (ARTICLE_TABLE, {"l1": ["14.98"]}, {**ROUND, "a3y": "0", "d3": "11"}, 1),  # 1.8
         (ASPECTS, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
     ],

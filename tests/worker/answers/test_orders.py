@@ -35,6 +35,7 @@ KINDS = {
     "plots": ("plot", 1),
     "margins": ("margin", 1),
     "aspects": ("aspects", 1),
+    "workspaces": ("workspace", 1),
     "designs": ("design", 0.3),
 }
 """Path of the operation → the kind of an item, and how often it is asked here."""

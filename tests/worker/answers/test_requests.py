@@ -23,6 +23,7 @@ from worker.answers.kind import JobRequest
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.paths import CONNECTIONS, MODES, PATH
 from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
+from worker.answers.workspaces import WORKSPACE
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()
 
@@ -86,6 +87,15 @@ OF_VERSION_2 = {
     "as-ad47bad0a7c329912824c6f91b4aa55cd0ed3c2a": JobRequest(
         ASPECTS,
         {"geometry": GEOMETRY, "fixed_leg": 1, "range": {"from": "27", "to": None}, "digits": 15},
+    ),
+    "ws-ed92ed65945312ad01ba9f5faa25d61985ffd23f": JobRequest(
+        WORKSPACE,
+        {
+            "geometry": GEOMETRY,
+            "phi": "30",
+            "limits": {"l1": {"min": "5", "max": "30"}, "l2": {"min": None, "max": "25"}},
+            "digits": 15,
+        },
     ),
     "pl-401044c46fa64f59b88a1e07a64f589c97e2ef7a": JobRequest(
         PLOT,

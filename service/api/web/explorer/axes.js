@@ -29,10 +29,27 @@ export function axes(board, names, isAngle) {
     const [, y] = pixel(board, [0, value]);
     if (y >= top && y <= bottom) marks.push(...tick(`M${left} ${y}h-5`, tickText(value, isAngle), { x: left - 7, y: y + 4, "text-anchor": "end" }));
   }
+  if (isAngle) marks.push(...seams(board));
   marks.push(symbol(names[0], { class: "axis-name", x: (left + right) / 2, y: bottom + 29, "text-anchor": "middle" }));
   const across = `translate(11 ${(top + bottom) / 2}) rotate(-90)`;
   marks.push(symbol(names[1], { class: "axis-name", transform: across, "text-anchor": "middle" }));
   return marks;
+}
+
+/** The sides of the torus that are in view; arrows of one kind are on opposite sides, which are one line. */
+function seams(board) {
+  const plot = plotOf(board);
+  const [[left, top], [right, bottom], [across, upward]] = [[-180, 180], [180, -180], [22, 22]].map((corner) => pixel(board, corner));
+  const isSeen = { left: left > plot.left - 1, right: right < plot.right + 1, top: top > plot.top - 1, bottom: bottom < plot.bottom + 1 };
+  const sides = {
+    left: [`M${left} ${top}V${bottom}`, `M${left - 4} ${upward + 4}l4 -8l4 8z`],
+    right: [`M${right} ${top}V${bottom}`, `M${right - 4} ${upward + 4}l4 -8l4 8z`],
+    top: [`M${left} ${top}H${right}`, `M${across - 8} ${top - 4}l8 4l-8 4zm8 0l8 4l-8 4z`],
+    bottom: [`M${left} ${bottom}H${right}`, `M${across - 8} ${bottom - 4}l8 4l-8 4zm8 0l8 4l-8 4z`],
+  };
+  const what = "Opposite sides, with the same arrows, are one line: 180° is −180°";
+  const shown = Object.keys(sides).filter((side) => isSeen[side]).flatMap((side) => sides[side].map((d, k) => ({ d, class: ["seam", "arrow"][k] })));
+  return shown.map((attributes) => shape("path", { ...attributes, "data-what": what }));
 }
 
 function tick(d, text, at) {

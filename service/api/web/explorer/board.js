@@ -1,10 +1,11 @@
 /** A drawing board of JSXGraph, and lines on it whose colours are those of the style sheet. */
 
 import JXG from "../jsxgraph/jsxgraphcore.mjs";
-import { shape } from "./dom.js";
+import { on, shape } from "./dom.js";
 
 const ROOM = { left: 30, right: 30, top: 22, bottom: 22 };
 const KEY_STEP = 6; // pixels that an arrow key moves a point
+const [FAREST, NEAREST] = [0.05, 1e6]; // magnifications that the wheel reaches
 const LEAST = 0.6; // the share of the room that a picture fills before the frame follows it
 
 /** A board in an element that keeps proportions or, with `isFree`, does not. */
@@ -19,7 +20,7 @@ export function makeBoard(id, title, isFree = false) {
     title,
     resize: { enabled: false }, // `bindSize` does
     pan: { enabled: true, needTwoFingers: true, needShift: false },
-    zoom: { enabled: true, wheel: true, needShift: true, pinch: true },
+    zoom: { enabled: true, wheel: false, needShift: false, pinch: true, pinchHorizontal: false, pinchVertical: false }, // a `Frame` takes the wheel
     keyboard: { enabled: true, dx: KEY_STEP, dy: KEY_STEP, panShift: true },
   });
   board.containerObj.role = "group"; // "region" would be one landmark too many
@@ -51,6 +52,16 @@ export class Frame {
       this.showAll();
     });
     observer.observe(container);
+    on(container, "wheel", (event) => this.#turned(event), { passive: false });
+  }
+
+  /** Zooms about the pointer: by a third for a notch of a wheel, and smoothly on a touchpad, whose pinch comes with Ctrl. */
+  #turned(event) {
+    event.preventDefault();
+    const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : 33) * (event.ctrlKey ? 4 : 1);
+    const factor = Math.exp(-Math.max(Math.min(pixels, 240), -240) / 350);
+    const after = this.factor * factor;
+    if (after > FAREST && after < NEAREST) scaleAbout(this.#board, this.#board.getUsrCoordsOfMouse(event), factor);
   }
 
   showAll() {
@@ -80,9 +91,9 @@ export class Frame {
   }
 }
 
-/** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
+/** A line through points, or the area within; `set` draws it, and gaps are points that are null. An update of the board does not. */
 export function makeLine(board, cssClass, layer = 5, what = "") {
-  const curve = board.create("curve", [[], []], { highlight: false, fixed: true, tabindex: null, transitionDuration: 0, cssClass, layer, fillColor: "none", clip: false });
+  const curve = board.create("curve", [[], []], { highlight: false, fixed: true, tabindex: null, transitionDuration: 0, cssClass, layer, fillColor: "none", clip: false, needsRegularUpdate: false });
   curve.rendNode.ariaHidden = true;
   if (what) curve.rendNode.dataset.what = what;
   return {
@@ -90,7 +101,7 @@ export function makeLine(board, cssClass, layer = 5, what = "") {
     set(points) {
       curve.dataX = points.map((point) => (point ? point[0] : NaN));
       curve.dataY = points.map((point) => (point ? point[1] : NaN));
-      curve.needsUpdate = true;
+      curve.fullUpdate();
     },
   };
 }
@@ -139,6 +150,12 @@ export function overlay(board, draw, key = null) {
 
 export function pixel(board, [x, y]) {
   return [board.origin.scrCoords[1] + x * board.unitX, board.origin.scrCoords[2] - y * board.unitY];
+}
+
+/** Puts a point at a place and draws it there; the board stays as it is. */
+export function move(point, place) {
+  put(point, place);
+  point.fullUpdate();
 }
 
 /** Puts a point at a place without firing its events. */
@@ -200,9 +217,12 @@ function makeRoom(board, point, points, room) {
     return free > 0 && Math.abs(way) > free ? free / Math.abs(way) : 1;
   }));
   const factor = Math.max(Math.min(...shares), 0.5);
-  if (factor === 1) return;
+  if (factor < 1) scaleAbout(board, point, factor);
+}
+
+/** Zooms about a point, which stays where it is. */
+function scaleAbout(board, [u, v], factor) {
   const [left, top, right, bottom] = board.getBoundingBox();
-  const [u, v] = point;
   board.setBoundingBox([u + (left - u) / factor, v + (top - v) / factor, u + (right - u) / factor, v + (bottom - v) / factor], board.keepaspectratio);
 }
 

@@ -26,7 +26,10 @@ export class CurveLayer {
   set(document) {
     const lines = linesOf(document, this.#view);
     this.#curve.set(lines.flatMap((line) => [...(this.#view === "torus" ? wrapped(line) : line), null]));
-    for (const { name, line } of this.#areas) line.set(this.#outlines(document, name));
+    for (const { name, line } of this.#areas) {
+      line.set(this.#outlines(document, name));
+      if (this.#view === "torus" && document) line.node.dataset.what = aspectText(document, name);
+    }
     this.#regions = this.#view === "joint" ? (document?.regions ?? []).filter(({ bounded }) => bounded) : [];
   }
 
@@ -124,7 +127,14 @@ function areaOf(places) {
 }
 
 function aspectNames() {
-  return [1, -1].flatMap((sign) => Array.from({ length: SHADES }, (_, k) => [aspectName(sign, k), `Aspect, J ${sign > 0 ? ">" : "<"} 0: no singularity within`]));
+  return [1, -1].flatMap((sign) => Array.from({ length: SHADES }, (_, k) => [aspectName(sign, k), ""]));
+}
+
+/** What the areas of a shade are: one aspect, or some that look the same. */
+function aspectText(document, name) {
+  const shown = namedAspects(document).filter((aspect) => aspect.name === name);
+  const shares = shown.map(({ share }) => `${(100 * share).toPrecision(2)} %`);
+  return shown.length === 0 ? "" : `Aspect, J ${shown[0].sign > 0 ? ">" : "<"} 0: ${shares.join(" or ")} of all poses, no singularity inside`;
 }
 
 function aspectName(sign, k) {

@@ -1,10 +1,11 @@
 /** The slice: its curves and cusps in the (L2, L3) plane, or on the torus of its poses (θ1, α). */
 
 import { EXACT, ROOM, axes, namesOf, plotOf } from "./axes.js";
-import { Frame, fit, makeBoard, makeLine, makePoint, overlay, pixel, put, zoomAbout } from "./board.js";
+import { Frame, fit, makeBoard, makeLine, makePoint, move, overlay, pixel, put, zoomAbout } from "./board.js";
 import { CurveLayer, linesOf, showLegend, wrapped } from "./curves.js";
-import { shortened, toNumber } from "./decimals.js";
+import { decimal, gridPlaces, shortened, toNumber } from "./decimals.js";
 import { byId, on, shape } from "./dom.js";
+import { mergeNear } from "./merging.js";
 import { bindPicking } from "./picking.js";
 import { letterOf } from "./state.js";
 
@@ -27,10 +28,13 @@ export class JointSpace {
   #others = null; // points that are no cusps
   #loop = null;
   #samples = [];
-  #here = null;
   #limits = null; // the line of the rectangle
   #rectangle = null; // its bounds
-  #poses = []; // marks of a joint vector, or of its poses
+  #poses = []; // marks of the poses of a joint vector, on the torus
+  #vector = null; // the mark of the joint vector, in the plane
+  #at = null; // the joint vector, in texts or numbers, with the number of the chosen pose
+  #listed = []; // its poses
+  #isMerged = false; // whether it was put where poses merge
   #write = null; // of what is over the board
   #isDue = false; // whether the next curves are another picture, which is to be seen whole
   #frame = null;
@@ -42,8 +46,9 @@ export class JointSpace {
   isDrawing = false; // whether a drag draws joint limits
 
   /**
-   * `onSelect(index)` and `onVisit(index)` are told which cusp was chosen or looked at, `onPick({l2, l3})` which
-   * other place, `onLimits({l2, l3})` which rectangle, `onZoom(factor)` how much the picture is magnified.
+   * `onSelect(index)` and `onVisit(index)` are told which cusp was chosen or looked at, `onPick({l2, l3})` which other
+   * joint vector, `onHold({l2, l3, merge})` each while it is dragged, `onPose(pose)` which pose of the torus,
+   * `onLimits({l2, l3})` which rectangle, `onZoom(factor)` how much the picture is magnified.
    */
   constructor(told) {
     this.#told = told;
@@ -103,33 +108,56 @@ export class JointSpace {
     if (!this.#board) return;
     const places = samples.map(PLACES[this.#view]);
     this.#loop.set(this.#view === "torus" ? wrapped(places) : places);
-    this.#here.setAttribute({ visible: false });
     this.#follow();
   }
 
-  mark(sample) {
-    const place = PLACES[this.#view](sample);
-    put(this.#here, this.#view === "torus" ? wrapped([place])[0] : place);
-    this.#here.setAttribute({ visible: true });
-    this.#board.update();
+  /** Marks the joint vector where the mechanism is or, on the torus, its poses, the chosen one filled. */
+  drawPoses(at, poses) {
+    [this.#at, this.#listed] = [at, poses];
+    if (!this.#board) return;
+    if (this.#view === "joint") this.#drawVector();
+    else this.#drawMarks();
+    this.#explain();
   }
 
-  /** Marks a joint vector or, on the torus, its poses, the chosen one filled; nothing without a vector. */
-  drawPoses(at, poses) {
-    if (!this.#board) return;
-    const places = this.#view === "joint" ? [[toNumber(at?.l2), toNumber(at?.l3)]] : poses.map(PLACES.torus);
-    const marks = at ? places.map((place, k) => ({ place, isChosen: places.length === 1 || k === at.pose })) : [];
-    while (this.#poses.length > marks.length) this.#board.removeObject(this.#poses.pop());
-    while (this.#poses.length < marks.length) {
-      const what = this.#view === "joint" ? "The joint vector whose poses are listed" : "A pose of the joint vector";
-      this.#poses.push(makePoint(this.#board, { cssClass: "pose-point", size: 5, layer: 8, what }));
+  #drawVector() {
+    const place = ["l2", "l3"].map((leg) => toNumber(this.#at?.[leg]));
+    const isThere = place.every(Number.isFinite);
+    if (this.#vector.visPropCalc.visible !== isThere) this.#vector.setAttribute({ visible: isThere });
+    if (!isThere) return;
+    move(this.#vector, place);
+    const { rendNode } = this.#vector;
+    rendNode.ariaLabel = `Joint vector, L2 = ${shortened(place[0])}, L3 = ${shortened(place[1])}`;
+    rendNode.dataset.what = `${rendNode.ariaLabel}: drag it, and its poses follow`;
+  }
+
+  #drawMarks() {
+    const poses = this.#listed;
+    while (this.#poses.length > poses.length) this.#board.removeObject(this.#poses.pop());
+    while (this.#poses.length < poses.length) {
+      this.#poses.push(makePoint(this.#board, { cssClass: "pose-point", size: 5, layer: 8, what: "A pose of the joint vector" }));
       this.#poses.at(-1).rendNode.ariaHidden = true;
     }
-    marks.forEach(({ place, isChosen }, k) => {
-      put(this.#poses[k], place);
-      this.#poses[k].rendNode.classList.toggle("chosen", isChosen);
+    poses.forEach((pose, k) => {
+      move(this.#poses[k], wrapped([PLACES.torus(pose)])[0]);
+      this.#poses[k].rendNode.classList.toggle("chosen", k === this.#at.pose);
     });
-    this.#repaint();
+  }
+
+  /** The joint vector that is dragged, on the grid of decimals that pixels tell apart, or where poses merge if that is near. */
+  #hold(event) {
+    const { unitX, unitY } = this.#board;
+    const place = [this.#vector.X(), this.#vector.Y()];
+    const isLeft = event.type === "keydown" && this.#isMerged; // else an arrow key would not get away
+    const near = isLeft ? null : mergeNear(this.#curves, this.#slice.cusps ?? [], place, [unitX, unitY]);
+    this.#isMerged = Boolean(near);
+    const [l2, l3] = place.map((length, k) => decimal(Math.max(length, 4 / [unitX, unitY][k]), gridPlaces(1000 / [unitX, unitY][k])));
+    this.#told.onHold(near ?? { l2, l3, merge: null });
+  }
+
+  #picked([x, y]) {
+    if (this.#view === "torus") this.#told.onPose({ theta1_deg: Number(x), alpha_deg: Number(y) });
+    else if (Math.min(x, y) > 0) this.#told.onPick({ l2: x, l3: y });
   }
 
   drawLimits(limits) {
@@ -183,15 +211,12 @@ export class JointSpace {
     this.#view = view;
     this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", true);
     [this.#points, this.#poses] = [[], []];
-    fresh.classList.toggle("picks", view === "joint");
-    if (view === "joint") bindPicking(this.#board, { ...this.#told, isDrawing: () => this.isDrawing, onDraft: (limits) => this.drawLimits(limits) });
+    bindPicking(this.#board, { ...this.#told, onPlace: (place) => this.#picked(place), isDrawing: () => this.isDrawing, onDraft: (limits) => this.drawLimits(limits) });
     this.#layer = new CurveLayer(this.#board, view);
     this.#limits = makeLine(this.#board, "limits", 3, "Joint limits of legs 2 and 3");
     this.#others = makeLine(this.#board, "degenerate", 8, "A degenerate pose that is no cusp");
     this.#loop = makeLine(this.#board, "loop", 6, "Loop round the cusp, without a singularity");
-    this.#here = makePoint(this.#board, { cssClass: "here-point", size: 5, layer: 8, what: "Where the mechanism is on the loop" });
-    this.#here.setAttribute({ visible: false });
-    this.#here.rendNode.ariaHidden = true;
+    this.#vector = view === "joint" ? this.#makeVector() : null;
     this.#group = this.#board.renderer.layer[9];
     on(this.#group, "keydown", (event) => this.#key(event), true);
     const writeAxes = overlay(this.#board, () => axes(this.#board, AXES[view], view === "torus"), () => this.#board.getBoundingBox().join());
@@ -204,6 +229,17 @@ export class JointSpace {
     this.#frame = new Frame(this.#board, () => this.#extent(), { ...look, onMove: () => this.#moved() });
     this.drawLoop(this.#samples);
     this.drawLimits(this.#rectangle);
+    this.drawPoses(this.#at, this.#listed);
+  }
+
+  #makeVector() {
+    const vector = makePoint(this.#board, { cssClass: "vector", size: 6, layer: 8, draggable: true });
+    const { rendNode } = vector;
+    rendNode.role = "img";
+    rendNode.ariaRoleDescription = "point that the arrow keys move";
+    rendNode.dataset.vector = "";
+    vector.on("drag", (event) => this.#hold(event));
+    return vector;
   }
 
   #labels() {
@@ -258,7 +294,7 @@ export class JointSpace {
       { name: "cusp", as: "mark", text: "cusp", if: this.#points.length > 0 },
       { name: "degenerate", as: "cross", text: "degenerate, no cusp", if: this.#slice?.degenerate_points?.length > 0 },
       { name: "loop", as: "line", text: "loop round the cusp", if: this.#samples.length > 0 },
-      { name: "pose-point chosen", as: "mark", text: isJoint ? "joint vector" : "its poses", if: this.#poses.length > 0 },
+      { name: isJoint ? "vector" : "pose-point chosen", as: "mark", text: isJoint ? "joint vector" : "its poses", if: Boolean(this.#at) },
       { name: "limits", as: "area", text: "joint limits", if: isJoint && Boolean(this.#rectangle) },
     ], "marks");
   }

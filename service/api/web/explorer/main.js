@@ -5,19 +5,23 @@ import { Calls } from "./calls.js";
 import { CensusStrip } from "./census.js";
 import { legendOf, showLegend } from "./curves.js";
 import { byId, on, say, write } from "./dom.js";
+import { shortened, toNumber } from "./decimals.js";
 import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
-import { isSix, pairOf } from "./geometry.js";
+import { Following, fateOf } from "./following.js";
+import { isSix, measured, pairOf } from "./geometry.js";
 import { Improve } from "./improve.js";
 import { JointSpace, spoken } from "./joint_space.js";
+import { nearestIn } from "./kinematics.js";
 import { JointLimits } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
+import { posesAt, vectorNear } from "./merging.js";
 import { Motion } from "./motion.js";
 import { nearOf, nearText } from "./notices.js";
 import { bindPanel, notice } from "./panel.js";
 import { Pictures } from "./pictures.js";
 import { Poses } from "./poses.js";
-import { censusOf, curvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
+import { censusOf, curvesOf, cuspCurvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
 import { lack, showCount } from "./slice.js";
 import { SpaceView } from "./space_view.js";
@@ -36,19 +40,30 @@ class Explorer {
   #frame = null;
   #census = null; // the geometry whose census is drawn
   #poseTable = null; // the poses that are drawn, perhaps of a state that has passed
+  #last = null; // the pose that is drawn
+  #following = new Following(); // of the selected cusp
+  #fate = ""; // what became of the cusp that was selected
+  #merge = null; // the poses that merge at the joint vector
   #tolerance = toleranceAt(0);
   #timer = null;
+  #rest = null; // the timer of a joint vector that is dragged
   #near = null; // the special shape nearby
   #isBlocked = false; // whether fields are wrong
 
   #fields = new Fields({ onChange: (...change) => this.#change(...change) });
   asking = new Asking({ fields: this.#fields, isCurrent: (state) => this.#isCurrent(state), onRetry: () => this.#settle() });
-  #mechanism = new Mechanism({ onDrag: (geometry) => this.#change({ geometry }), onRest: () => this.#draw() });
+  #mechanism = new Mechanism({
+    onDrag: (geometry) => this.#change({ geometry }),
+    onMove: (pose) => this.#moveTo(pose),
+    onRest: () => this.#draw(),
+  });
   strip = new CensusStrip({ onChange: (l1, by) => this.#change({ l1 }, false, by), onReach: () => this.#pictures.prepare() });
   #joint = new JointSpace({
     onSelect: (index) => this.#select(index),
     onVisit: (index) => this.#visit(index),
     onPick: (vector) => this.#pick(vector),
+    onHold: (vector) => this.#hold(vector),
+    onPose: (pose) => this.#moveTo({ ...pose, l1: toNumber(this.state.l1) }),
     onLimits: (limits) => this.#limit(limits),
     onZoom: (factor) => this.#refine(factor),
   });
@@ -57,7 +72,7 @@ class Explorer {
     onGo: (l1) => this.#change({ l1, at: null }),
     onEye: (eye) => {
       this.state = { ...this.state, eye };
-      this.#steps.amend(hashOf(this.state));
+      this.#tell(true);
     },
     ask: (name, question, told) => this.asking.ask(name, this.state, question, { isLate: true, ...told }),
   });
@@ -91,7 +106,7 @@ class Explorer {
   open() {
     bindPanel();
     const fault = location.hash.length > 1 && !stateOf(location.hash) ? faultOf(location.hash) : "";
-    this.state = stateOf(location.hash) ?? { ...firstExample(), view: "joint" };
+    this.state = stateOf(location.hash) ?? { ...firstExample(), view: "joint", mode: "move" };
     notice(fault);
     this.#show();
     this.#joint.drawLimits(this.state.limits);
@@ -99,6 +114,7 @@ class Explorer {
     this.#settle();
     this.#space.open(this.state.view === "space");
     for (const radio of document.querySelectorAll("input[name=view]")) on(radio, "change", () => this.#view(radio.value));
+    for (const radio of document.querySelectorAll("input[name=mode]")) on(radio, "change", () => this.#take({ mode: radio.value }));
   }
 
   #go(hash) {
@@ -108,6 +124,13 @@ class Explorer {
     this.#change(state, geometryText(state.geometry) !== geometryText(this.state.geometry));
     this.#joint.drawLimits(state.limits);
     this.#view(state.view, false);
+  }
+
+  /** Takes a change of what a drag does. */
+  #take(change) {
+    this.state = { ...this.state, ...change };
+    this.#mechanism.mode = this.state.mode;
+    this.#tell();
   }
 
   /** Shows a geometry of a document. */
@@ -122,15 +145,16 @@ class Explorer {
       this.#improve.clear();
       byId("near").hidden = true;
     }
-    this.asking.cancel("loop", "margin");
+    this.asking.cancel("loop", "margin", "cusp curves");
+    this.#fate = "";
+    if ("cusp" in change) this.#following.forget();
     this.#exactness.clear();
     this.#clearLoop();
     this.state = { ...this.state, ...change };
     if (isWhole) this.#joint.fitNext();
-    if (this.state.at) {
-      this.#poses.wait();
-      this.#mechanism.drawGhosts([]);
-    } else this.#poseTable = null;
+    this.#merge = null;
+    if (!this.state.at || "at" in change) this.#poseTable = null;
+    else this.#follow();
     this.#later();
     clearTimeout(this.#timer);
     if (this.#isWrong()) return;
@@ -159,19 +183,22 @@ class Explorer {
     this.#frame ??= requestAnimationFrame(() => {
       this.#frame = null;
       this.#show();
+      if (this.state.at) this.#drawPoses();
       if (this.#due) this.#picture(this.#due);
       this.#due = null;
     });
   }
 
   #show() {
-    const { geometry, l1, view } = this.state;
+    const { geometry, l1, view, mode } = this.state;
     this.#fields.show(this.state);
     this.strip.show(l1);
     this.#improve.propose(l1);
     this.#poses.show(this.state.at);
     byId(`view-${view}`).checked = true;
     this.#fillSpace();
+    byId(`mode-${mode}`).checked = true;
+    this.#mechanism.mode = mode;
     byId("slice").classList.toggle("stale", !this.isShown);
     if (this.#census !== geometryText(geometry)) byId("census").classList.add("stale");
     if (!this.#mechanism.isHeld && this.#mechanism.isOther(geometry)) this.#draw(); // else it has drawn itself
@@ -195,8 +222,10 @@ class Explorer {
     if (curves || !this.#curves) this.take({ state, slice, curves }); // else the last picture stays
     else this.#draw();
     await this.#askPoses(); // first the picture, before a worker is busy for longer
+    if (this.#census === geometryText(state.geometry)) await this.#askFate(state); // else first the census
     await this.#askLoop();
     if (this.#isCurrent(state)) await this.#askCensus(state);
+    if (await this.#askFate(state)) await this.#askLoop();
   }
 
   /** Whether the page still asks what it asked in a state. */
@@ -250,8 +279,31 @@ class Explorer {
     this.#later();
   }
 
+  /**
+   * Asks which cusp of the slice is the one that was selected in another, and goes on with the nearest one if it has ended.
+   * Tells whether it is another one than was thought.
+   */
+  async #askFate(state) {
+    const geometry = geometryText(state.geometry);
+    const since = this.#following.since({ geometry, l1: state.l1 });
+    const curves = since && (await this.asking.ask("cusp curves", state, cuspCurvesOf(state, since.l1), { onRefusal() {} }));
+    if (!this.#isCurrent(state) || since !== this.#following.since({ geometry, l1: state.l1 })) return false;
+    const fate = curves && fateOf(curves, since, state.l1);
+    if (fate?.end) this.#fate = `The selected cusp ended at L1 = ${shortened(fate.end.l1)} (${fate.end.kind}). `;
+    const isOther = fate?.cusp !== undefined && fate.cusp !== this.#selected;
+    if (isOther) this.#mark(fate.cusp);
+    if (since) this.#visit(this.#selected);
+    if (fate?.end) say(byId("visited").textContent);
+    this.#following.know({ geometry, l1: state.l1, cusp: this.#selected });
+    this.#tell(true);
+    return isOther;
+  }
+
   #tellSlice(slice) {
     this.#slice = slice;
+    const cusp = this.#following.numberIn(slice);
+    if (cusp === null) this.#following.start(slice.l1, this.#cusp);
+    else this.state = { ...this.state, cusp };
     this.asking.clear();
     this.#block(false);
     showCount(slice);
@@ -271,6 +323,7 @@ class Explorer {
     this.#fillSpace();
     showLegend(legendOf(curves, this.state.view));
     this.#visit(this.#selected);
+    if (!this.state.at) this.#drawVector();
     if (!this.#mechanism.isHeld) this.#draw();
     document.body.dataset.pictures = Number(document.body.dataset.pictures ?? 0) + 1;
   }
@@ -285,14 +338,54 @@ class Explorer {
     this.#motion.show(path);
     this.#joint.drawLoop(this.#motion.samples);
     this.#fillSpace();
-    this.#drawGhosts();
+    this.#draw();
     return true;
   }
 
   #pick(vector) {
-    this.#choosePose({ ...vector, pose: 0 });
-    this.#poses.wait();
+    this.#hold({ ...vector, merge: null });
+    clearTimeout(this.#rest);
+    this.#tell();
     this.#askPoses();
+  }
+
+  /** Takes a joint vector while it is dragged: its poses at once, those of the service at rest. */
+  #hold({ l2, l3, merge }) {
+    this.#motion.pause();
+    this.state = { ...this.state, at: { l2, l3, pose: 0 } };
+    this.#merge = merge;
+    this.#follow();
+    this.#later();
+    write("visited", this.#heldText());
+    clearTimeout(this.#rest);
+    this.#rest = setTimeout(() => {
+      this.#tell();
+      this.#askPoses();
+    }, REST);
+  }
+
+  /** Takes a pose `{l1, alpha_deg, theta1_deg}`, and the joint vector that it has. */
+  #moveTo(pose) {
+    const lengths = measured(this.state.geometry);
+    if (!lengths) return;
+    this.#last = pose;
+    this.#hold(vectorNear(lengths, pose));
+  }
+
+  /** Takes the poses of the state in doubles, and of them the nearest to the one that was drawn. */
+  #follow() {
+    const { geometry, l1, at } = this.state;
+    const poses = posesAt(geometry, { l1, l2: at.l2, l3: at.l3, merge: this.#merge });
+    this.#poseTable = { l1, l2: at.l2, l3: at.l3, count: poses.length, poses, isDraft: true };
+    this.state = { ...this.state, at: { ...at, pose: Math.max(nearestIn(poses, this.#last), 0) } };
+    this.#poses.draw(this.#poseTable, this.state.at.pose);
+    this.#poses.wait();
+  }
+
+  #heldText() {
+    const { l2, l3, count } = this.#poseTable;
+    const merged = this.#merge && (this.#merge.count === 3 ? `; at cusp ${letterOf(this.#merge.cusp)} three have merged` : "; on the singular curve two have merged");
+    return `L2 = ${shortened(toNumber(l2))}, L3 = ${shortened(toNumber(l3))}: ${count === 0 ? "no pose" : `${count} pose${count === 1 ? "" : "s"}`}${merged ?? ""}`;
   }
 
   #choosePose(pose) {
@@ -303,7 +396,10 @@ class Explorer {
   /** Shows a pose of a joint vector, or for null leaves them for a cusp or its loop. */
   #pose(at) {
     this.state = { ...this.state, at };
-    if (!at) this.#poseTable = null;
+    if (!at) {
+      this.#poseTable = this.#merge = null;
+      this.#visit(this.#selected);
+    }
     this.#poses.show(at);
     this.#tell();
     this.#drawPoses();
@@ -315,7 +411,8 @@ class Explorer {
     const table = await this.asking.ask("poses", state, posesOf(state));
     const now = this.state.at;
     if (!table || now?.l2 !== state.at.l2 || now.l3 !== state.at.l3) return;
-    const pose = Math.min(now.pose, Math.max(table.count - 1, 0));
+    const isFollowed = this.#poseTable?.isDraft;
+    const pose = isFollowed ? Math.max(nearestIn(table.poses, this.#last), 0) : Math.min(now.pose, Math.max(table.count - 1, 0));
     this.state = { ...this.state, at: { ...now, pose } };
     this.#fields.clear();
     this.#poseTable = table;
@@ -325,18 +422,24 @@ class Explorer {
   }
 
   #drawPoses() {
-    this.#joint.drawPoses(this.state.at, this.#poseTable?.poses ?? []);
+    this.#drawVector();
     this.#fillSpace();
     this.#draw();
-    this.#drawGhosts();
   }
 
-  /** Draws outlines: of the other poses of the joint vector, or of both ends of the loop. */
-  #drawGhosts() {
+  /** Marks the joint vector of the pose that is drawn: the one that was chosen, or that of the cusp. */
+  #drawVector() {
+    const { at } = this.state;
+    if (at) this.#joint.drawPoses(at, this.#poseTable?.poses ?? []);
+    else this.#joint.drawPoses(this.#cusp ?? null, []);
+  }
+
+  /** What is outlined: the other poses of the joint vector, or both ends of the loop. */
+  get #others() {
     const { at, l1 } = this.state;
-    const numbered = (this.#poseTable?.poses ?? []).map((pose, k) => ({ ...pose, name: k + 1, l1 }));
+    const poses = (this.#poseTable?.poses ?? []).map((pose) => ({ ...pose, l1 }));
     const ends = [this.#motion.samples.at(0), this.#motion.samples.at(-1)].filter(Boolean);
-    this.#mechanism.drawGhosts(at ? numbered.filter((_, k) => k !== at.pose) : ends.map((end, k) => ({ ...end, name: this.#motion.ends[k] })));
+    return at ? othersOf(poses, at.pose) : ends.map((end, k) => ({ ...end, name: this.#motion.ends[k] }));
   }
 
   #clearLoop() {
@@ -345,14 +448,18 @@ class Explorer {
     if (!isDrawn) return;
     this.#joint.drawLoop([]);
     this.#fillSpace();
-    this.#drawGhosts();
+    if (!this.state.at) this.#mechanism.clearOthers();
   }
 
   #move(sample) {
     if (this.state.at) this.#pose(null);
-    this.#mechanism.draw(this.state.geometry, sample);
-    if (this.#space.isOpen) this.#fillSpace(sample);
-    else this.#joint.mark(sample);
+    const { geometry } = this.state;
+    const poses = posesAt(geometry, sample);
+    const pose = nearestIn(poses, sample);
+    this.#mechanism.draw(geometry, sample, othersOf(poses, pose));
+    this.#joint.drawPoses({ ...sample, pose }, poses);
+    this.#last = sample;
+    this.#fillSpace(sample);
   }
 
   async #askCensus(state) {
@@ -376,14 +483,21 @@ class Explorer {
 
   async #select(index) {
     if (this.state.at) this.#pose(null);
-    this.state = { ...this.state, cusp: index };
+    this.#fate = "";
+    this.#mark(index);
+    this.#following.know({ geometry: geometryText(this.state.geometry), l1: this.#slice.l1, cusp: index });
     this.#tell();
+    if (await this.#askLoop()) this.#motion.playUnlessCalm();
+  }
+
+  #mark(index) {
+    this.state = { ...this.state, cusp: index };
+    this.#following.start(this.#slice.l1, this.#cusp);
     if (this.isShown) this.#joint.select(index);
     this.#fillSpace();
     this.#table.select(index);
     this.#visit(index);
-    this.#draw();
-    if (await this.#askLoop()) this.#motion.playUnlessCalm();
+    if (!this.state.at) this.#drawPoses();
   }
 
   /** The number of the selected cusp: the last if there are fewer. */
@@ -397,7 +511,8 @@ class Explorer {
 
   #visit(index) {
     const cusp = this.#slice?.cusps?.[index];
-    write("visited", cusp ? spoken(cusp, index) : "");
+    const fate = index === this.#selected ? this.#fate : "";
+    write("visited", fate + (cusp ? `${fate && "Selected now: "}${spoken(cusp, index)}` : ""));
   }
 
   #view(view, isStep = true) {
@@ -407,7 +522,6 @@ class Explorer {
     this.#space.open(view === "space");
     if (view !== "space" && this.#slice) this.#joint.draw(this.#slice, this.#curves, view, this.#selected);
     this.#fillSpace();
-    this.#joint.drawPoses(this.state.at, this.#poseTable?.poses ?? []);
     showLegend(legendOf(this.#curves, view));
   }
 
@@ -420,15 +534,21 @@ class Explorer {
 
   #draw() {
     const { geometry, l1, at } = this.state;
-    const shown = (at && this.#poseTable?.poses[at.pose]) ?? this.#cusp;
-    this.#mechanism.draw(geometry, { alpha_deg: 0, theta1_deg: 60, ...shown, l1 });
+    const isNone = at && this.#poseTable?.count === 0;
+    const shown = (at && this.#poseTable?.poses[at.pose]) ?? (isNone ? this.#last : this.#cusp);
+    byId("mechanism").classList.toggle("absent", Boolean(isNone));
+    this.#last = { alpha_deg: 0, theta1_deg: 60, ...shown, l1 };
+    this.#mechanism.draw(geometry, this.#last, this.#others);
   }
 
-  #tell() {
-    this.#steps.take(hashOf(this.state));
+  #tell(isAmended = false) {
+    this.#steps.take(hashOf(this.state), isAmended);
     this.#save.show(this.state);
     this.#calls.show({ ...this.state, tolerance: this.#exactness.tolerance, wish: this.#improve.members });
   }
 }
+
+/** All poses but one, with their numbers. */
+const othersOf = (poses, chosen) => poses.map((pose, k) => ({ ...pose, name: k + 1 })).filter((_, k) => k !== chosen);
 
 new Explorer().open();

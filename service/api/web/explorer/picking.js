@@ -1,4 +1,4 @@
-/** The pointer in the joint space: a click takes a joint vector, a drag draws joint limits. */
+/** The pointer in the slice: a click takes a place, a drag draws joint limits. */
 
 import { decimal, gridPlaces } from "./decimals.js";
 import { on } from "./dom.js";
@@ -6,10 +6,9 @@ import { on } from "./dom.js";
 const STILL = 4; // pixels that a click may move
 
 /**
- * Binds a board. `onPick({l2, l3})` is told a joint vector on the grid of decimals that pixels tell apart; if
- * `isDrawing()`, `onDraft({l2, l3})` each rectangle while it is dragged, and `onLimits({l2, l3})` the last one.
+ * Binds a board. `onPlace([x, y])` is told a place on the grid of decimals that pixels tell apart; if `isDrawing()`, `onDraft({l2, l3})` each rectangle while it is dragged, and `onLimits({l2, l3})` the last one.
  */
-export function bindPicking(board, { isDrawing, onDraft, onLimits, onPick }) {
+export function bindPicking(board, { isDrawing, onDraft, onLimits, onPlace }) {
   const container = board.containerObj;
   let start = null;
   const place = (event) => board.getUsrCoordsOfMouse(event).map((x, k) => decimal(x, gridPlaces(1000 / [board.unitX, board.unitY][k])));
@@ -33,8 +32,7 @@ export function bindPicking(board, { isDrawing, onDraft, onLimits, onPick }) {
   on(container, "click", (event) => {
     const isStill = start && Math.hypot(event.clientX - start.clientX, event.clientY - start.clientY) < STILL;
     if (isDrawing() && start && !isStill) onLimits(rectangle(event));
-    if (!isStill || event.target.closest("[data-cusp]")) return;
-    const [l2, l3] = place(event);
-    if (Math.min(l2, l3) > 0) onPick({ l2, l3 });
+    if (!isStill || event.target.closest("[data-cusp], [data-vector]")) return;
+    onPlace(place(event));
   });
 }

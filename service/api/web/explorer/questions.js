@@ -14,6 +14,8 @@ export const pictureOf = ({ geometry, l1 }) => ["v1/singular-curves", { geometry
 export const tableOf = ({ geometry, l1 }) => ["v1/cusp-tables", { geometry, l1, digits: AT_REST }];
 export const curvesOf = ({ geometry, l1 }, tolerance = toleranceAt(0)) => ["v1/singular-curves", { geometry, l1, tolerance }];
 export const censusOf = ({ geometry }) => ["v1/censuses", { geometry, digits: WHILE_MOVING }];
+/** The cusp curves at the length of the slice and at another one. */
+export const cuspCurvesOf = ({ geometry, l1 }, other) => ["v1/cusp-curves", { geometry, l1: [other, l1], digits: WHILE_MOVING }];
 export const marginOf = ({ geometry, l1 }, tolerance) => ["v1/margins", { geometry, l1, tolerance }];
 export const modesOf = ({ geometry, l1, limits }) => ["v1/assembly-modes", { geometry, l1, ...(limits ? { limits } : {}) }];
 export const posesOf = ({ geometry, l1, at: { l2, l3 } }) => ["v1/poses", { geometry, l1, l2, l3, digits: WHILE_MOVING }];

@@ -34,20 +34,15 @@ export class Steps {
     return history.state?.step ?? 0;
   }
 
-  /** Takes the address of a state: a new step, unless the same control has just made the last one. */
-  take(hash) {
+  /** Takes the address of a state: a new step, unless it amends the last one, or the same control has just made that. */
+  take(hash, isAmended = false) {
     if (hash === location.hash && history.state) return;
     const [control, time] = [document.activeElement, performance.now()];
     const isSame = control === this.#last.control && control !== document.body && time - this.#last.time < SAME;
     this.#last = { control, time };
-    if (!history.state || isSame) this.#write("replaceState", this.#at, hash);
+    if (!history.state || isSame || isAmended) this.#write("replaceState", this.#at, hash);
     else this.#write("pushState", this.#at + 1, hash);
     this.#show();
-  }
-
-  /** Takes an address that differs by what is no step, such as from where something is seen. */
-  amend(hash) {
-    this.#write("replaceState", this.#at, hash);
   }
 
   #write(method, step, hash = location.hash) {

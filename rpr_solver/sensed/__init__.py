@@ -1,0 +1,1 @@
+"""Poses from what sensors say: lengths of some legs, and angles of some."""
