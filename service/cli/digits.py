@@ -47,8 +47,8 @@ def printed(document: dict[str, Any], digits: int, ask: Callable[[int], dict[str
 def rounded(document: dict[str, Any], digits: int) -> dict[str, Any]:
     """Returns a document whose numbers have at most this number of significant digits, correctly rounded.
 
-    Only numbers with all digits of the document change, and sensitivities, which have fewer: bounds, and numbers
-    as they were given, are exact.
+    Only numbers with all digits of the document change, and sensitivities, which have fewer. Bounds, and
+    numbers as they were given, are exact.
 
     >>> rounded({"digits": 15, "l1": "12.500", "cusps": [{"l2": "26.7863808708888"}]}, 6)["cusps"]
     [{'l2': '26.7864'}]

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.cli import pages
-from service.cli.digits import are_alike, printed
+from service.cli.digits import are_alike, printed, rounded
 from tests.support.cli_process import Run
 
 NEAR_SIMILAR = {"a2x": 30, "a3x": 0, "a3y": "40.00001", "d1": 15, "d2": 25, "d3": 20}
