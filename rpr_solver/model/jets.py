@@ -219,6 +219,17 @@ def pose_of(alpha: HalfTangent, theta: HalfTangent, length: arb, omega: arb) -> 
     return Pose(cos_a, sin_a, cos_t, sin_t, length, omega)
 
 
+def singular_length(
+    slice_map: SliceMap, alpha: tuple[arb, arb], direction: tuple[arb, arb], omega: arb
+) -> arb:
+    """L = −J0/J1, at which the pose with these cosines and sines is singular: J is L (J0 + L J1)."""
+    at = turns(acb(*alpha), acb(*direction))
+    f, g = (leg.waves(omega).turned(*at) for leg in (slice_map.f, slice_map.g))
+    phi, other = f.q + f.d, g.q + g.d
+    length: arb = (f.w * other - phi * g.w) / (f.q * other - phi * g.q)
+    return length
+
+
 def common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
     """The common root t of two forms that share exactly one; None if the precision is insufficient."""
     found = _by_remainders(j, e) or _finite_common_root(j, e)

@@ -25,7 +25,7 @@ from itertools import pairwise
 from math import lcm
 from typing import Literal
 
-from flint import acb, arb, ctx, fmpz_poly
+from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.exact import decided, decided_or_none
 from rpr_solver.exact.biform import BiForm
@@ -35,9 +35,8 @@ from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
-from rpr_solver.legs import turns
 from rpr_solver.model.bridge import Bridge
-from rpr_solver.model.jets import HalfTangent, LocalMap, common_root, pose_of
+from rpr_solver.model.jets import HalfTangent, LocalMap, common_root, pose_of, singular_length
 from rpr_solver.model.joint_points import ExactPose, PoseKind
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import (
@@ -307,11 +306,8 @@ def _located(system: System, root: RealRoot, bits: int) -> Located | None:
         slice_map, omega = system.slice_map, omega_ball(system.slice_map.radicand, work)
         bridge = Bridge.of(slice_map)
         alpha, tip = bridge.alpha(t), bridge.vector(arb(1), v)
-        # J is L (J0 + L J1); with the direction (1, v), which is longer than 1, L is as much shorter
-        at = turns(acb(*alpha.cos_sin()), acb(*tip))
-        f, g = (leg.waves(omega).turned(*at) for leg in (slice_map.f, slice_map.g))
-        phi, other = f.q + f.d, g.q + g.d
-        length = (f.w * other - phi * g.w) / (f.q * other - phi * g.q)
+        # with the direction (1, v), which is longer than 1, L is as much shorter
+        length = singular_length(slice_map, alpha.cos_sin(), tip, omega)
         if not length.is_finite() or length.contains(0):
             return None
         rho = slice_map.rho
