@@ -27,12 +27,6 @@ def test_a_landmark_is_its_exact_length_and_no_pose() -> None:
         assert ball.rel_accuracy_bits() > bits - 8
 
 
-def test_a_rational_landmark_is_as_narrow_as_the_precision() -> None:
-    event = Landmark(Field.rationals()(Fraction(1, 3)))
-    assert event.exact_length.rational == Fraction(1, 3)
-    assert (event.scaled_length(200) * 3).contains(1)
-
-
 FLAT = eliminant_of(EXAMPLES["zein-flat"]).slice_map
 
 
