@@ -81,14 +81,6 @@ def test_loop_goes_round_one_cusp_to_another_pose(cusp: int) -> None:
     check(loop, table)
 
 
-@pytest.mark.parametrize(("name", "length", "count"), SLICES[:1])
-def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
-    eliminant, table = slice_of(EXAMPLES[name], length)
-    terms = PathTerms.of(samples=2, timing="constant")
-    loops = [loop_in_slice(eliminant, table, k, terms) for k in range(1, count + 1)]
-    assert [loop.winding for loop in loops] == [1] * table.count
-
-
 @pytest.mark.parametrize("cusp", [1, pytest.param(5, marks=pytest.mark.long)])
 def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
     """The cusps of congruent triangles share their leg lengths in pairs."""

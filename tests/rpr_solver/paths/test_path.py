@@ -12,10 +12,6 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, cusp_loop
-from rpr_solver.contract import letter, number_of
-from rpr_solver.paths.path import path_of
-from rpr_solver.paths.proofs import PROOF_BITS, prove
-from rpr_solver.paths.question import PathTerms
 
 
 @cache
@@ -45,16 +41,6 @@ def test_backwards() -> None:
     assert back.reversed() == the_loop()
 
 
-def test_rows_have_floats_beside_their_digits() -> None:
-    row = the_loop().rows()[1]
-    assert row["l2"] == pytest.approx(float(the_loop().samples[1].lengths[1]))
-    assert row["alpha_deg_text"] == the_loop().samples[1].alpha_deg
-
-
-def test_the_notebook_has_a_row_for_each_sample() -> None:
-    assert the_loop()._repr_html_().count("<tr>") == 1 + 5
-
-
 @pytest.mark.parametrize("samples", [2, 10])
 def test_other_samples_of_the_same_path(samples: int) -> None:
     again = the_loop().resampled(samples, duration=Fraction(1, 3))
@@ -67,28 +53,3 @@ def test_other_samples_of_the_same_path(samples: int) -> None:
 def test_a_bad_number_of_samples_is_named(samples: int) -> None:
     with pytest.raises(InputError, match="samples"):
         the_loop().resampled(samples)
-
-
-def test_letters_and_numbers_name_the_same_cusps() -> None:
-    assert [number_of(letter(k)) for k in range(1, 25)] == list(range(1, 25))
-
-
-@cache
-def the_fourth() -> Path:
-    return cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
-
-
-def test_a_route_and_its_proof_make_the_path() -> None:
-    route = the_fourth().route
-    proof = prove(route.slice_map, route.at(PROOF_BITS), the_fourth().sign)
-    assert proof is not None
-    terms = PathTerms.of(samples=2)
-    path = path_of(the_fourth().manipulator, (route, proof), terms)
-    assert (path.cusp, path.winding) == (None, None)
-    assert (path.start, path.stop, path.lengths) == (
-        the_fourth().start,
-        the_fourth().stop,
-        the_fourth().lengths,
-    )
-    again = path_of(the_fourth().manipulator, (route, proof), terms, round_cusp=(4, 1, ()))
-    assert again.samples == the_fourth().samples
