@@ -8,13 +8,11 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from rpr_solver import EXAMPLES, Manipulator, SolverError
+from rpr_solver import EXAMPLES, SolverError
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.charts import chart_of
 from tests.support.singular import SLICES, manipulator
-
-CONGRUENT_FLAT = Manipulator(10, 4, 0, 10, 6, 4)
 
 
 @pytest.mark.parametrize(("name", "leg", "length"), SLICES)
@@ -58,19 +56,6 @@ def test_the_discriminant_is_that_of_the_definition(name: str) -> None:
     while quotient.degree() > 0:
         quotient, rest = sp.div(quotient, sp.Poly(u**2 + 1, u))
         assert rest == 0
-
-
-def test_critical_lines_are_18_at_most() -> None:
-    slice_map = SliceMap.of(EXAMPLES["innocenti"])
-    chart, simple = chart_of(slice_map, 15 * slice_map.scale)
-    assert (chart.discriminant.degree, chart.discriminant.zeros_at_infinity, simple) == (18, 0, True)
-
-
-def test_a_repeated_component_is_taken_once() -> None:
-    slice_map = SliceMap.of(CONGRUENT_FLAT)
-    chart, simple = chart_of(slice_map, 3 * slice_map.scale)
-    assert chart.repeated
-    assert (len(chart.whole), len(chart.rows), simple) == (5, 4, False)
 
 
 def test_a_slice_of_singular_poses_alone_is_refused() -> None:
