@@ -142,30 +142,9 @@ def scaled(square: Function, slice_map: SliceMap) -> Function:
 X, Y = fmpq_mpoly_ctx.get(("x", "y"), "lex").gens()
 
 
-@st.composite
-def polynomials(draw: st.DrawFn) -> fmpq_mpoly:
-    powers = st.tuples(st.integers(0, 3), st.integers(0, 3))
-    return X.context().from_dict(draw(st.dictionaries(powers, st.integers(-9, 9), max_size=5)))
-
-
 def jet(p: fmpq_mpoly, order: int) -> Jet[fmpq]:
     """At the origin."""
     return Jet.build(order, lambda i, j: p[i, j] * factorial(i) * factorial(j))
-
-
-@given(polynomials(), polynomials(), st.integers(0, 4), st.integers(0, 4))
-def test_differences_and_products(p: fmpq_mpoly, q: fmpq_mpoly, m: int, n: int) -> None:
-    """Known to the lower of two orders."""
-    a, b, order = jet(p, m), jet(q, n), min(m, n)
-    assert a * b == jet(p * q, order)
-    assert a - b == jet(p - q, order)
-    assert (a.order, a.value) == (m, p[0, 0])
-
-
-@given(polynomials(), st.integers(1, 5))
-def test_partial_derivatives_are_of_one_order_less(p: fmpq_mpoly, order: int) -> None:
-    assert jet(p, order).alpha == jet(p.derivative(0), order - 1)
-    assert jet(p, order).theta == jet(p.derivative(1), order - 1)
 
 
 # rings
