@@ -15,7 +15,7 @@ from rpr_solver.curves.follower import Cusp, Follower, Lost, Tracker
 from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
 from rpr_solver.model.jets import HalfTangent
 from tests.support.definitions import Point, Slices, distance
-from tests.support.places import cusps_in, cusps_of, place
+from tests.support.places import cusps_in, place
 from tests.support.sampling import sample
 from tests.support.shared import eliminant_of
 
@@ -43,40 +43,6 @@ def follower(eliminant: Eliminant, cusp: Point, length: Fraction, *, upwards: bo
 
 def decimal(x: Fraction) -> mp.mpf:
     return mp.mpf(x.numerator) / x.denominator
-
-
-def test_too_few_tubes_lead_nowhere_and_more_go_on() -> None:
-    eliminant = eliminant_of(FLAT)
-    scale = eliminant.slice_map.scale
-    ends = Fraction(29), Fraction(900)
-    cusp = cusps_of(eliminant, ends[0], DIGITS)[0]
-    walking = follower(eliminant, cusp, ends[0], upwards=True)
-    low, high = (x * scale for x in ends)
-    assert walking.walk(low, high, 0) is None
-    assert walking.walk(low, high, 1) is None
-    met = walking.walk(low, high, TUBES)
-    assert met is not None
-    at_once = follower(eliminant, cusp, ends[0], upwards=True).walk(low, high, TUBES)
-    assert at_once is not None
-    assert met[0] == at_once[0] == high
-    assert not met[1].apart(at_once[1])
-
-
-def test_a_start_that_is_wide_at_first_is_asked_for_more_precisely() -> None:
-    eliminant = eliminant_of(FLAT)
-    scale = eliminant.slice_map.scale
-    cusp = cusps_of(eliminant, Fraction(29), DIGITS)[0]
-    asked = []
-
-    def start(bits: int) -> PoseBox:
-        asked.append(bits)
-        with ctx.workprec(bits):
-            return place(cusp[0], cusp[1], 1e-25 if bits > 500 else 0.5)
-
-    walking = Follower(CuspForms(eliminant.slice_map), start, Fraction(29) * scale, upwards=True)
-    assert walking.walk(Fraction(29) * scale, Fraction("29.01") * scale, TUBES) is not None
-    assert asked[-1] > 500
-    assert asked == sorted(asked)
 
 
 def test_at_a_swallowtail_there_is_no_way_up_or_down() -> None:
@@ -136,13 +102,6 @@ def test_every_cusp_comes_to_where_its_curve_leads(m: Manipulator, leg: int, low
     # every curve has two ends, and each leads to the other
     assert set(ways) == {(end, i) for end in ends for i in range(tracker.table(end).count)}
     assert all(ways[there] == here != there for here, there in ways.items())
-
-
-def test_where_the_first_two_cusps_are_born_they_meet_each_other() -> None:
-    tracker = Tracker(eliminant_of(FLAT), DIGITS)
-    below, above = Fraction("0.4"), Fraction(1)
-    assert tracker.table(below).count == 0
-    assert all_from(tracker, above, below) == {0: (above, 1), 1: (above, 0)}
 
 
 def test_curves_that_take_too_many_tubes_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:

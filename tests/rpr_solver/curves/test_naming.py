@@ -164,19 +164,6 @@ class TestNames:
                     assert leads_to(length, above, length, index) == (above, starts[above][name])
             assert all(name < len(named.tracks) for name in of)
 
-    def test_slices_beyond_all_that_are_known(self) -> None:
-        whole, tracker, *_ = surveyed()
-        last = len(whole.slices) - 1
-        starts = self.known(last)
-        [start] = starts
-        lengths = [start + 10, start - 1]
-        names = dict(name_cusps(tracker, starts, lengths))
-        assert set(names) == set(lengths)
-        for length, of in names.items():
-            low, high = sorted((start, length))
-            for name, index in of.items():
-                assert leads_to(low, high, start, starts[start][name]) == (length, index)
-
     def test_cusps_that_nothing_known_leads_to_are_not_named(self) -> None:
         """Two of eight are born between 29 and 31.86338."""
         whole, tracker, *_ = surveyed()

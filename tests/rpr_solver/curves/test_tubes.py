@@ -260,11 +260,6 @@ class TestCurvesInClosedForm:
             for corner in (r * (s.lower() + r * t.lower()), r * (s.upper() + r * t.upper())):
                 assert abs(corner - x(r)) < radius
 
-    def test_where_there_is_no_curve_there_is_no_tube(self) -> None:
-        """1 + y + 2 y² has no zero."""
-        around = artificial({X: 1}, {(0, 0, 0): 1, Y: 1, (0, 2, 0): 2})
-        assert build(around, ALONG_L, True) is None
-
     def test_a_tube_holds_the_box_that_it_starts_from(self) -> None:
         """y (y − w) = 0: from a box on the branch y = w no tube follows y = 0."""
         w = Fraction(1, 100)
@@ -272,10 +267,6 @@ class TestCurvesInClosedForm:
             box = arb(0, radius), arb(ball_of(w).mid(), radius), arb(0, radius)
             tube = build(artificial({X: 1}, {Y: -w, (0, 2, 0): 1}, box), ALONG_L, True)
             assert tube is None or tube.radii[1] > ball_of(w)
-
-    def test_balls_without_bound_give_no_tube(self) -> None:
-        around = artificial({X: 1}, {Y: 1}, (arb("nan"), arb(0), arb(0)))
-        assert build(around, ALONG_L, True) is None
 
 
 class TestBetweenTwoLengths:
@@ -292,12 +283,6 @@ class TestBetweenTwoLengths:
             assert tube is not None
             assert 0.0048 < tube.reach < 0.0051
 
-    def test_the_other_way_does_not_matter(self) -> None:
-        for forwards, low, high in ((False, 0.5, 1.01), (True, 0.99, 1.5)):
-            tube = self.along(1, 0, forwards, low, high)
-            assert tube is not None
-            assert tube.reach > 0.05
-
     def test_a_turn_between_start_and_end_counts(self) -> None:
         """z = x/8 − x² is 0 at both ends and 1/256 between."""
         over = self.along(Fraction(1, 8), -1, True, 0.9, 1 + 1 / 500)
@@ -313,26 +298,3 @@ class TestBetweenTwoLengths:
         tube = self.along(-w, 1, True, 1 - arb(10) ** -23, 1.5)
         assert tube is not None
         assert tube.reach > 0.005
-
-    def test_a_start_beyond_the_lengths_is_refused(self) -> None:
-        assert self.along(1, 0, True, 1.001, 1.5) is None
-
-    def test_which_slice_is_met(self) -> None:
-        """With L as parameter, within reach and on the way; no other tube meets slices."""
-        low, high = Fraction(99, 100), Fraction(101, 100)
-        for forwards, expected in ((True, high), (False, low)):
-            tube = build(artificial({X: 1}, {Y: 1}), ALONG_L, forwards)
-            assert tube is not None
-            assert tube.meets(low, high) == expected
-            assert tube.meets(Fraction(1, 24), Fraction(26)) is None
-        across = self.along(1, 0, True, 0.5, 1.5)
-        assert across is not None
-        assert across.meets(low, high) is None
-
-    def test_how_far_it_leads_in_each_coordinate(self) -> None:
-        """p = −r/4 and q = 0."""
-        tube = build(artificial({X: 1, Z: Fraction(1, 4)}, {Y: 1}), ALONG_L, True)
-        assert tube is not None
-        assert abs(tube.advance(0) - tube.reach / 4) < 1e-3
-        assert tube.advance(1) == 0
-        assert tube.advance(ALONG_L) == tube.reach

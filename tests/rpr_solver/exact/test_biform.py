@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from flint import fmpz_mpoly, fmpz_poly
+from flint import fmpz_mpoly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -23,7 +23,7 @@ from rpr_solver.exact.biform import (
     without_common_factors,
 )
 from rpr_solver.exact.modular import primes
-from rpr_solver.exact.quadratic import DivisionError, QuadraticPoly
+from rpr_solver.exact.quadratic import DivisionError
 
 RADICANDS = (1, 2, 12, 1009)
 powers = st.tuples(*(st.integers(0, top) for top in (3, 3, 2, 5)))
@@ -56,18 +56,6 @@ def test_the_square_of_omega_is_put_in(p: fmpz_mpoly, radicand: int) -> None:
     assert radicand != 1 or not b
 
 
-@given(forms(1, with_length=False), st.integers(-9, 9))
-def test_above_one_u_a_form_has_the_coefficients_of_its_rows(single: list[BiForm], u: int) -> None:
-    """At u = ∞ these are the coefficients of the formal degree."""
-    [form] = single
-    assert len(form.rows) == form.degree_t + 1
-    assert form.sliced(Fraction(1)) == form
-    whole = form.above(fmpz_poly([u]), fmpz_poly([0, 1]))  # ω as a variable
-    assert whole == [row.a(fmpz_poly([u])) + row.b(fmpz_poly([u])) * fmpz_poly([0, 1]) for row in form.rows]
-    top = form.above(None, fmpz_poly([0, 1]))
-    assert top == [fmpz_poly([row.a[form.degree_u], row.b[form.degree_u]]) for row in form.rows]
-
-
 @given(forms(1), st.fractions(-9, 9, max_denominator=9))
 def test_one_length_is_put_in(single: list[BiForm], length: Fraction) -> None:
     [form] = single
@@ -77,14 +65,6 @@ def test_one_length_is_put_in(single: list[BiForm], length: Fraction) -> None:
     whole = {p: c * n ** p[2] * d ** (top - p[2]) for p, c in form.joined.to_dict().items()}
     expected = RING.from_dict({p: c for p, c in whole.items() if c}).compose(T, U, RING.constant(1), OMEGA)
     assert rows.joined == expected
-
-
-@given(forms(1))
-def test_the_norm_is_the_product_with_the_conjugate(single: list[BiForm]) -> None:
-    [form] = single
-    square = form * form.conjugate
-    assert not square.b
-    assert square.a == (form.norm if form.b else form.norm**2)
 
 
 @given(forms(2))
@@ -117,13 +97,6 @@ def test_the_1_norm_bounds_all_coefficients(single: list[BiForm]) -> None:
     largest = sum(abs(int(c)) for c in form.a.coeffs()) ** 2
     assert largest <= form.norm1() ** 2
     assert form.radicand * sum(abs(int(c)) for c in form.b.coeffs()) ** 2 <= form.norm1() ** 2
-
-
-def test_formal_degrees_keep_zeros_at_infinity() -> None:
-    form = BiForm.of(T * U + OMEGA, 2, 3, 1)
-    assert form.zeros_at_infinity == 2
-    assert [row.is_zero for row in form.rows] == [False, False, True, True]
-    assert form.rows[0] == QuadraticPoly(fmpz_poly([]), fmpz_poly([1]), 2)
 
 
 def test_common_factors_leave_both_forms() -> None:

@@ -151,8 +151,3 @@ def test_forms_with_a_common_root_have_a_resultant_near_0() -> None:
 def test_balls_without_an_integer_are_refused(value: str) -> None:
     with pytest.raises(SolverError, match="known factors"):
         recovered(1, lambda _omega: [arb(3), arb(value)], 10)
-
-
-def test_balls_that_never_become_narrow_are_refused() -> None:
-    with pytest.raises(SolverError, match="known factors"):
-        recovered(1, lambda _omega: [arb(0, 2)], 10)

@@ -58,15 +58,6 @@ def test_the_norm_is_the_product_with_the_conjugate(single: list[QuadraticPoly])
     assert p.conjugate.conjugate == p
 
 
-@given(polynomials(1))
-def test_the_primitive_polynomial_differs_by_an_integer(single: list[QuadraticPoly]) -> None:
-    [p] = single
-    content = p.a.content().gcd(p.b.content())
-    primitive = p.primitive()
-    assert primitive * int(content) == p
-    assert p.is_zero or primitive.a.content().gcd(primitive.b.content()) == 1
-
-
 @given(polynomials(2))
 def test_a_product_divided_by_a_factor(pair: list[QuadraticPoly]) -> None:
     p, q = pair

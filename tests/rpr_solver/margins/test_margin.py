@@ -110,6 +110,7 @@ def test_the_nearest_degenerate_geometry_may_belong_to_no_transition_of_the_give
     assert subject.nearest(weights)[0].radius >= radii[0]
 
 
+@pytest.mark.long
 def test_a_margin_finer_than_doubles_is_refuted_without_a_proof() -> None:
     """Just beyond a transition; at 1e-9 of it the margin is proved, at 1e-14 no box could be."""
     [transition, *_] = census(INNOCENTI, digits=30).transitions

@@ -57,12 +57,6 @@ class TestVerdict:
             {"from": "3", "to": "4", "count": 3, "example": {"l1": "3.5", "cusps": [CUSP.to_json()] * 3}},
         ]
 
-    def test_rows_tell_which_intervals_are_admitted(self) -> None:
-        rows = report([2, 1, 3], most=2).rows()
-        assert [(row["from"], row["to"], row["admitted"]) for row in rows] == [
-            (1.0, 2.0, True), (2.0, 3.0, True), (3.0, 4.0, False)
-        ]  # fmt: skip
-
 
 class TestIntervals:
     @given(st.lists(st.integers(0, 2), min_size=1))
