@@ -250,7 +250,7 @@ def survey(
         extra_events: gives further events, such as those of joint limits.
 
     Raises:
-        InputError: ``fixed_leg`` is not 1, 2 or 3.
+        InputError: naming ``manipulator`` or ``fixed_leg``.
         SolverError: an event could not be decided, or sides differ too much.
     """
     check_type(manipulator, Manipulator, "manipulator")
