@@ -25,7 +25,6 @@ from rpr_solver import (
 )
 from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.elimination import recovered
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.model.slice_map import SliceMap
@@ -73,7 +72,7 @@ def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -
     slice_map = eliminant.slice_map
     for length in (Fraction(7, 3) * slice_map.scale, Fraction(20) * slice_map.scale):
         a, b = exact_resultant(slice_map, length)
-        known = slice_map.f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(length).a
+        known = slice_map.f.collinear.a**2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(length).a
         quotient_a, quotient_b = a / known, b / known
         assert quotient_a * known == a
         assert quotient_b * known == b
@@ -105,9 +104,7 @@ def constant(eliminant: Eliminant, u: int, length: int) -> fmpz:
             for part in (eliminant.a, eliminant.b)
         )
         known = (
-            slice_map.f.collinear().a(u) ** 2
-            * fmpz(u * u + 1) ** 9
-            * slice_map.f.closed(Fraction(length)).a(u)
+            slice_map.f.collinear.a(u) ** 2 * fmpz(u * u + 1) ** 9 * slice_map.f.closed(Fraction(length)).a(u)
         )
         value = whole / (known * (a + omega * b))
     integer = value.unique_fmpz()
@@ -144,7 +141,7 @@ def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: i
     sides = f.platform2**2 * g.platform2 * ((f.ax - g.ax) ** 2 + (f.ay - g.ay) ** 2)
     assume(sides and f.base2)
     a, _ = exact_resultant(SliceMap(1, Fraction(1), 1, 1, f, g), Fraction(length * unit))
-    known = f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit)).a
+    known = f.collinear.a**2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit)).a
     assert (a * 2**8) % (known * sides * unit**26) == 0
 
 
@@ -152,7 +149,7 @@ def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: i
 def test_factors_that_do_not_divide_are_noticed(along: list[int]) -> None:
     sampling = replace(_Sampling.of(SliceMap.of(EXAMPLES["zein-flat"])), along=QuadraticPoly.rational(along))
     with pytest.raises(SolverError, match="known factors"):
-        recovered(1, sampling.coefficients, sampling.bits)
+        sampling.whole()
 
 
 # one slice
