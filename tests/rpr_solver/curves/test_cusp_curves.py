@@ -5,7 +5,6 @@ from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from math import radians
 
 import pytest
 from hypothesis import given
@@ -14,7 +13,6 @@ from hypothesis import strategies as st
 from rpr_solver import (
     EXAMPLES,
     Census,
-    CurvePoint,
     CuspCurves,
     Manipulator,
     cusp_curves,
@@ -22,7 +20,6 @@ from rpr_solver import (
     eliminate,
 )
 from tests.rpr_solver.curves.long_run import failures, lengths_beside
-from tests.support import newton
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
 from tests.support.shared import census_of, curves_of
@@ -237,10 +234,6 @@ def test_documents_are_read_back() -> None:
     for leg in (1, 3):
         curves = curves_of(EXAMPLES["zein-flat"], leg)
         assert CuspCurves.from_json(json.loads(json.dumps(curves.to_json()))) == curves
-
-
-def angles(p: CurvePoint) -> newton.Point:
-    return radians(float(p.point.alpha_deg)), radians(float(p.point.theta1_deg))
 
 
 def shape(curves: CuspCurves, factor: int = 1) -> Counter[tuple[object, ...]]:

@@ -114,10 +114,6 @@ def test_common_factors_leave_both_forms() -> None:
 COS, SIN = rational_form(1 - T**2, 2, 0), rational_form(2 * T, 2, 0)
 
 
-def same(x: BiForm, y: BiForm) -> bool:
-    return (x - y).is_zero and (x.degree_t, x.degree_u) == (y.degree_t, y.degree_u)
-
-
 def test_factors_with_those_at_infinity_and_without_imaginary_ones() -> None:
     form = rational_form((T**2 + 1) * (U**2 + 1) * (T - U) ** 2 * L, 5, 6)
     found = [(str(x.a), x.degree_t, x.degree_u, n) for x, n in curves(form, 1)]

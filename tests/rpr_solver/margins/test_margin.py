@@ -334,18 +334,6 @@ def test_validity_is_the_radius_of_the_first_flat_platform() -> None:
         assert validity(flat, (Fraction(0), Fraction(1), *(Fraction(0),) * 4)) == radius
 
 
-def test_documents_have_the_shape_of_the_contract() -> None:
-    document = searched().to_json()
-    assert document["asked"] == {"l1": "28.1"}
-    assert document["proved"] == "0.000601"
-    assert document["validity"] == "4.24666"
-    [mover] = document["first_order"]["binding"]
-    assert (mover["l1"], mover["kind"]) == ("28.0948944789", "beak-to-beak")
-    assert document["counterexample"]["l1"] == "28.1"
-    assert Manipulator.from_json(document["counterexample"]["geometry"]) != INNOCENTI
-    assert document["verdict"] is None
-
-
 def refused(**arguments: object) -> str:
     """The message for arguments."""
     with pytest.raises(InputError) as caught:

@@ -88,15 +88,3 @@ def test_a_pose_has_its_kind_its_angles_and_its_legs(construct: Callable[[], Con
         assert [float_of(x) for x in exact.coordinates(BITS)] == pytest.approx([float(x) for x in expected])
     scale = exact.local.slice_map.scale
     assert exact.length.rational == at.pose.l1 * scale
-
-
-def test_rational_lengths_and_half_turns_are_exact() -> None:
-    at = constructed.leg_3_closed()
-    assert exactly(at).coordinates(BITS)[3] == Fraction(0)
-    half_turn = constructed.cusp(Pose(TRIANGLE, Fraction(10), WEST, direction(1, 3)), Fraction(25))
-    theta = exactly(half_turn).coordinates(BITS)[1]
-    assert theta.unique_fmpz() == 180
-    right = Pose(constructed.RIGHT, Fraction(5), direction(0, 1), direction(0, 1))
-    flat = Constructed(right, right.manipulator(Fraction(15, 2), (Fraction(1), Fraction(12))))
-    assert exactly(flat).coordinates(BITS)[:2] == (arb(0), arb(0))
-    assert exactly(flat).coordinates(BITS)[2:] == (Fraction(5, 2), Fraction(4))

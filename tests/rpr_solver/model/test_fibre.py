@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES, Manipulator, SolverError
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.fibre import DEGREE, Closure, Fibre, fibre
+from rpr_solver.model.fibre import Closure, Fibre, fibre
 from rpr_solver.model.slice_map import SliceMap
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, add, direction, dot
@@ -76,7 +76,6 @@ def test_the_form_vanishes_where_the_solution_has_the_length_of_leg_1(
         assert all(a.rad() < abs(own) * arb(2) ** -200 for a, _ in pairs)
 
 
-HALVES = st.tuples(st.integers(-4, 4), st.integers(1, 4))
 LARGER_SQUARES = st.tuples(*[rationals(1, 900, (1, 2))] * 3)
 
 
@@ -89,10 +88,6 @@ def squares_at(at: Constructed) -> list[Fraction]:
     base = ((Fraction(0), Fraction(0)), (m.a2x, Fraction(0)), (m.a3x, m.a3y))
     legs = [add(b, a, -1) for a, b in zip(base, at.pose.points, strict=True)]
     return [dot(leg, leg) for leg in legs]
-
-
-def numbers(texts: Sequence[str]) -> list[mp.mpf]:
-    return [mp.mpf(text) for text in texts]
 
 
 def degrees(x: Sequence[Fraction]) -> mp.mpf:
@@ -127,50 +122,6 @@ def multiplicity(at: Constructed) -> int:
 )
 def test_as_many_poses_coalesce_as_were_made_to(construct: Callable[[], Constructed], expected: int) -> None:
     assert multiplicity(construct()) == expected
-
-
-@given(HALVES, HALVES, st.integers(3, 30), st.tuples(*[st.integers(-25, 25)] * 3))
-@examples(30)
-def test_a_pose_is_found_again_with_its_coordinates(
-    alpha: tuple[int, int], theta: tuple[int, int], l1: int, base: tuple[int, int, int]
-) -> None:
-    pose = Pose(TRIANGLE, Fraction(l1), direction(*theta), direction(*alpha))
-    a2x, a3x, a3y = map(Fraction, base)
-    assume(a2x or a3x or a3y)
-    try:
-        at = Constructed(pose, pose.manipulator(a2x, (a3x, a3y)))
-    except ValueError:
-        assume(False)
-        raise
-    squares = squares_at(at)
-    assume(all(squares))
-    answer = solved(at.manipulator, squares)
-    assume(answer.circle_at is None)
-    expected = [
-        degrees(pose.alpha),
-        *(degrees(add(b, a, -1)) for a, b in zip(((0, 0), (a2x, 0), (a3x, a3y)), pose.points, strict=True)),
-        *(mp.mpf(x.numerator) / x.denominator for x in pose.points[0]),
-    ]
-    near = [
-        texts
-        for texts in (x.texts for x in answer.poses)
-        if max(abs(a - b) for a, b in zip(numbers(texts), expected, strict=True)) < 1e-9
-    ]
-    assert len(near) == 1
-
-
-@given(ANY_MANIPULATOR, LARGER_SQUARES)
-@examples(30)
-def test_multiplicities_leave_an_even_number_of_poses_that_are_not_real(
-    m: Manipulator, squares: tuple[Fraction, ...]
-) -> None:
-    """And the factors of the form have the degree 6 together."""
-    answer = solved(m, squares)
-    assert sum(degree * times for degree, times in answer.factors) == DEGREE
-    missing = DEGREE - sum(pose.multiplicity for pose in answer.poses)
-    if answer.circle_at is None:
-        assert missing >= 0
-        assert missing % 2 == 0
 
 
 @given(manipulators(size=9, denominators=(1,)), LARGER_SQUARES)

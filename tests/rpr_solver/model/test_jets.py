@@ -3,19 +3,19 @@
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
-from math import comb, factorial
+from math import comb
 
 import mpmath as mp
 import pytest
-from flint import arb, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import arb, ctx, fmpq_mpoly_ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver import Manipulator
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.jets import Jet, LocalMap, Pose
+from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.strategies import examples, manipulators, rationals
 
@@ -77,29 +77,6 @@ def pose_at(slice_map: SliceMap, alpha: str, theta: str, length: Fraction) -> Po
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("leg", [1, 2, 3])
-@pytest.mark.parametrize(("alpha", "theta", "length"), PLACES)
-@pytest.mark.parametrize("m", [HEXAGON, EXAMPLES["zein-flat"]], ids=["triangle", "flat"])
-def test_derivatives_of_the_squared_legs(
-    m: Manipulator, leg: int, alpha: str, theta: str, length: int
-) -> None:
-    """All partial derivatives of f/2 and g/2; a constant is left out of the value."""
-    slice_map = SliceMap.of(m, leg)
-    unit = number(slice_map.scale) ** 2
-    with mp.workdps(80):
-        local = LocalMap.at(slice_map, pose_at(slice_map, alpha, theta, Fraction(length)), ORDER)
-        place = mp.mpf(alpha), mp.mpf(theta)
-        legs = squared_legs(m, leg, Fraction(length))
-        for jet, square, value in zip((local.f, local.g), legs, local.squared_lengths(), strict=True):
-            assert jet.order == ORDER
-            assert abs(value / unit - square(*place)) < TINY
-            for i in range(ORDER + 1):
-                for j in range(ORDER + 1 - i):
-                    if i or j:
-                        expected = difference(square, place, i, j)
-                        assert abs(2 * jet.table[i][j] / unit - expected) < TINY * 1000, (i, j)
-
-
 @pytest.mark.parametrize(("alpha", "theta", "length"), PLACES)
 def test_the_jacobian_determinant_and_its_derivative_along_the_kernel(
     alpha: str, theta: str, length: int
@@ -140,11 +117,6 @@ def scaled(square: Function, slice_map: SliceMap) -> Function:
 # the rules, on polynomials, whose derivatives FLINT takes
 
 X, Y = fmpq_mpoly_ctx.get(("x", "y"), "lex").gens()
-
-
-def jet(p: fmpq_mpoly, order: int) -> Jet[fmpq]:
-    """At the origin."""
-    return Jet.build(order, lambda i, j: p[i, j] * factorial(i) * factorial(j))
 
 
 # rings

@@ -4,12 +4,9 @@ from fractions import Fraction
 
 import mpmath as mp
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.model.slice_map import TRIG, SliceMap, half_angles, in_tangents
-from tests.support.strategies import examples, manipulators
+from rpr_solver import EXAMPLES
+from rpr_solver.model.slice_map import TRIG, SliceMap, in_tangents
 
 
 def trigonometric(slice_map: SliceMap, p: object, alpha: mp.mpf, theta: mp.mpf, length: int) -> mp.mpf:
@@ -38,16 +35,6 @@ def test_half_angles_make_the_numerator(name: str, leg: int) -> None:
             weight = ((1 + t * t) * (1 + u * u)) ** order
             expected = trigonometric(slice_map, p, alpha, theta, length) * weight
             assert abs(mp.polyval(in_t[::-1], t) / expected - 1) < mp.mpf(10) ** -45
-
-
-@given(manipulators(size=9, denominators=(1, 10)), st.sampled_from([1, 2, 3]))
-@examples(10)
-def test_packed_forms_are_those_of_cosines_and_sines(m: Manipulator, leg: int) -> None:
-    slice_map = SliceMap.of(m, leg)
-    j, e = slice_map.trigonometric
-    forms = half_angles(j, (2, 2), 1, slice_map.radicand), half_angles(e, (3, 3), 1, slice_map.radicand)
-    assert (slice_map.singular, slice_map.coalescence) == forms
-    assert slice_map.tables == tuple(form.coefficients for form in forms)
 
 
 def test_tangents_of_whole_angles_make_the_numerator_over_a_power_of_the_cosine() -> None:

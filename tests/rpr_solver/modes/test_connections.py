@@ -20,9 +20,6 @@ from rpr_solver import (
     pose_connections,
     pose_path,
 )
-from rpr_solver.errors import Unproved
-from rpr_solver.modes import connections
-from rpr_solver.modes.joined_regions import Aspects
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover
 from tests.support.sampling import long
@@ -122,37 +119,6 @@ def test_a_singular_pose_is_joined_with_none() -> None:
     assert set(found.matrix[place]) == {"singular-pose"}
     assert all(place + 1 not in group for group in found.groups)
     compared(found)
-
-
-def test_a_pose_too_near_a_singularity_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    end_of = connections.Ends.end_of
-
-    def unproved(self: connections.Ends, table: Any, lengths: Any, number: int) -> connections.End:
-        if number == 2:
-            raise Unproved("a pose is too near a singularity")
-        return end_of(self, table, lengths, number)
-
-    monkeypatch.setattr(connections.Ends, "end_of", unproved)
-    found = pose_connections(FIRST, 27, 20, 20)
-    assert found.signs == (-1, None, 1, 1)
-    assert set(found.matrix[1]) == {"undecided"}
-    assert found.groups == ((1,), (3, 4))
-
-
-def test_slices_tell_what_a_range_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = pose_connections(FIRST, 27, "25.7", "9.2", to=(27, 20, 20), between=(27, 30))
-    aspects = Aspects.of
-
-    def of(slice_map: Any, span: Any) -> Aspects:
-        if span[0] != span[1]:
-            raise SolverError("not supported")
-        return aspects(slice_map, span)
-
-    monkeypatch.setattr(Aspects, "of", of)
-    found = pose_connections(FIRST, 27, "25.7", "9.2", to=(27, 20, 20), between=(27, 30))
-    assert UNDECIDED in found.matrix[1]
-    for own, known in zip(found.matrix, usual.matrix, strict=True):
-        assert all(x is y or x is UNDECIDED for x, y in zip(own, known, strict=True))
 
 
 def test_no_poses_make_an_empty_table() -> None:

@@ -8,9 +8,8 @@ from __future__ import annotations
 import cmath
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from functools import cache
 from itertools import pairwise
-from math import pi, radians
+from math import pi
 from random import Random
 
 import pytest
@@ -22,13 +21,10 @@ from rpr_solver import (
     NoPath,
     Path,
     SolverError,
-    cusp_loop,
     joint_path,
     poses,
 )
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.paths.joint_paths import Corner
-from rpr_solver.paths.routes import IsolatedPose
 from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400
@@ -151,22 +147,3 @@ def test_ranges_agree_with_a_dense_grid() -> None:
         assert joined_on_a_grid(found, [27.0, float(other)]) == isinstance(found, Path)
         outcomes.add(isinstance(found, Path))
     assert outcomes == {True, False}
-
-
-@cache
-def the_loop() -> Path:
-    return cusp_loop(EXAMPLES["innocenti"], 27, "C", samples=2)
-
-
-def ends_of_the_loop() -> tuple[IsolatedPose, IsolatedPose]:
-    return the_loop().route.start, the_loop().route.stop
-
-
-def corners() -> list[Corner]:
-    """From the start over places beside the middle to the stop."""
-    [(_, middle, _)] = the_loop().route.arcs
-    assert middle is not None
-    inner = radians(middle.alpha_deg), radians(middle.theta_deg)
-    ends = [(float(pose.angles[0]), float(pose.angles[1])) for pose in ends_of_the_loop()]
-    beside = [((x + inner[0]) / 2, (y + inner[1]) / 2) for x, y in ends]
-    return [(x, y, Fraction(27)) for x, y in (ends[0], *beside, ends[1])]

@@ -279,7 +279,3 @@ def test_events_that_are_not_isolated_are_said_to_be_so(name: str) -> None:
 
 
 FIRST, SECOND = T * U + OMEGA, T**2 + U**2 * OMEGA - 3
-
-
-def form(p: object, degree_t: int, degree_u: int) -> BiForm:
-    return BiForm.of(p, 2, degree_t, degree_u)  # type: ignore[arg-type]

@@ -12,7 +12,7 @@ from mpmath import mpf
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind
 from rpr_solver.exact.factors import exact_roots, norm_factors
-from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions import exact_events
@@ -163,10 +163,6 @@ def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
             )
             assert scaled in here
             assert scaled not in elsewhere
-
-
-def polynomial(field: Field, *coefficients: int) -> list[Algebraic]:
-    return [field(c) for c in coefficients]
 
 
 def test_permanent_events_beside_an_equilateral_pair_need_no_field_of_their_direction(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import atan2, degrees
 
 import numpy as np
 import pytest
@@ -12,17 +11,12 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, eliminate, solve_slice
 from rpr_solver.slices.cusp_table import SliceSolver
-from rpr_solver.slices.fast.poses import Bounded, HalfAngles, number_type
+from rpr_solver.slices.fast.poses import Bounded, number_type
 from rpr_solver.slices.fast.proofs import guesses, proved_boxes
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 
 LENGTHS = [Fraction(k, 3) for k in range(20, 100, 9)]
-
-
-def angle(x: HalfAngles, place: int) -> float:
-    cos, sin = (float(part[place]) for part in (x.turn.real, x.turn.imag))
-    return degrees(atan2(sin, cos))
 
 
 def test_double_precision_alone_will_do(monkeypatch: pytest.MonkeyPatch) -> None:
