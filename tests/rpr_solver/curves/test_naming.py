@@ -82,6 +82,7 @@ def leads_to(low: Fraction, high: Fraction, start: Fraction, index: int) -> tupl
 
 
 class TestTracks:
+    @pytest.mark.long
     def test_where_tracks_begin_and_end_the_curve_turns_back(self) -> None:
         whole, _, named, _ = surveyed()
         lengths = [table.length for table in whole.slices]

@@ -80,6 +80,7 @@ def test_censuses_from_where_two_legs_close_are_verified(leg: int) -> None:
     assert verify_document(report).verdict is Verdict.VERIFIED
 
 
+@pytest.mark.long
 def test_a_census_with_a_pose_at_which_both_free_legs_close_is_verified() -> None:
     document = plain(census(family("d1 = a2x"), digits=15, fixed_leg=3, start=4, stop=5).to_json())
     place = [row["kind"] for row in document["transitions"]].index("quadruple")
