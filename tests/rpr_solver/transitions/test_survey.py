@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import pytest
 from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator, census
+from rpr_solver import EXAMPLES, Manipulator, census, solve_slice
 from rpr_solver.contract import silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import Algebraic
