@@ -19,7 +19,7 @@ def is_whole(model: type[BaseModel], document: object) -> bool:
     return model.model_validate(document).model_dump(exclude_unset=True) == document
 
 
-@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("leg", [2])
 def test_tables_are_as_documented(api: httpx.Client, leg: int) -> None:
     body = {"geometry": GEOMETRY, f"l{leg}": [0, 14.98, 27], "fixed_leg": leg, "digits": 20}
     table = api.post("/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"}).json()
