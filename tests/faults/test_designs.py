@@ -74,7 +74,7 @@ def test_worker_api_and_valkey_are_killed_during_a_search(tmp_path: Path) -> Non
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("workers", [1, 2, 3])
+@pytest.mark.parametrize("workers", [1, 3])
 def test_any_number_of_workers_has_the_same_answer(tmp_path: Path, workers: int) -> None:
     """A search is shared by one, two or three workers; if it is one, it is killed. The answer is the same."""
     budget = 40

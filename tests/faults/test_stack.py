@@ -90,6 +90,7 @@ def test_a_child_is_told_to_end(tmp_path: Path, part: str, number: signal.Signal
         stopped(stack)
 
 
+@pytest.mark.long
 def test_idle_connections_use_up_all_files(tmp_path: Path) -> None:
     """More clients connect than the API may have open files, and send nothing. `serve` continues with a few
     log lines, a worker that dies is replaced, and other clients are served once those disconnect."""
@@ -209,20 +210,6 @@ def test_everything_is_killed_at_once(tmp_path: Path) -> None:
             until(lambda parts=parts: not any(map(is_running, parts)))
     with running(tmp_path, workers=2) as stack, stack.redis() as redis:
         assert ended(JobQueue(redis), request.job_id).status == "succeeded"
-
-
-@pytest.mark.long
-def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
-    """`serve` is stopped while jobs wait. They are done after the next start."""
-    requests = [a_request(str(i)) for i in range(1, 4)]
-    with running(tmp_path, workers=0) as stack, stack.redis() as redis:
-        for request in requests:
-            JobQueue(redis).submit(request)
-        stack.process.terminate()
-        assert stack.process.wait(PATIENCE) == 0
-    with running(tmp_path) as stack, stack.redis() as redis:
-        for request in requests:
-            assert ended(JobQueue(redis), request.job_id).status == "succeeded"
 
 
 @pytest.mark.long

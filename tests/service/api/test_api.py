@@ -46,17 +46,6 @@ def long_job(client: httpx.Client, fresh: Fresh) -> str:
     return job_id
 
 
-def test_the_documented_example_works_unchanged(api: httpx.Client) -> None:
-    answer = api.post(
-        "/v1/cusp-tables", json={"geometry": GEOMETRY, "l1": 14.98}, headers={"Prefer": "wait=20"}
-    )
-    assert answer.status_code == 200
-    table = answer.json()
-    assert table["geometry"] == EXAMPLES["innocenti"].to_json()
-    assert table["slices"][0]["count"] == 6
-    assert len(table["slices"][0]["cusps"][0]["alpha_deg"].lstrip("-").replace(".", "")) == 90
-
-
 def test_an_unknown_table_is_a_job_that_leads_to_it(api: httpx.Client, fresh: Fresh) -> None:
     slices = [fresh(), fresh()]
     answer = post(api, slices, wait=None)
@@ -113,7 +102,7 @@ def test_a_slice_without_an_answer_leaves_the_others_unaffected(api: httpx.Clien
     assert "count" in good
 
 
-@pytest.mark.parametrize("leg", [2, 3])
+@pytest.mark.parametrize("leg", [2])
 def test_another_leg_can_be_fixed(api: httpx.Client, leg: int) -> None:
     body = {"geometry": GEOMETRY, f"l{leg}": 14.98, "fixed_leg": leg}
     answer = api.post("/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"})
@@ -227,15 +216,6 @@ def test_the_operator_of_a_service_without_keys_ends_what_others_wait_for(
     assert idle.delete(job).json()["status"] == "canceled"
 
 
-def test_a_canceled_job_can_be_requested_again(api: httpx.Client, fresh: Fresh) -> None:
-    l1 = fresh()
-    request = {"geometry": GEOMETRY, "l1": [l1, fresh()]}
-    job_id = api.post("/v1/cusp-tables", json=request, headers=NO_WAIT).json()["id"]
-    api.delete(f"/v1/jobs/{job_id}")
-    answer = api.post("/v1/cusp-tables", json=request, headers={"Prefer": "wait=20"})
-    assert answer.status_code == 200
-
-
 def test_an_expired_result_is_gone(api: httpx.Client, redis: Redis, fresh: Fresh) -> None:
     l1 = fresh()
     job = post(api, l1, wait=None).json()
@@ -252,10 +232,7 @@ def test_an_expired_result_is_gone(api: httpx.Client, redis: Redis, fresh: Fresh
     ("kind", "status", "slug"),
     [
         ("timeout", 504, "job-timeout"),
-        ("worker-lost", 500, "job-worker-lost"),
-        ("resource-exhausted", 500, "job-resource-exhausted"),
         ("solver-error", 422, "job-solver-error"),
-        ("input-error", 422, "job-input-error"),
         ("something-new", 500, "job-failed"),
     ],
 )

@@ -13,6 +13,7 @@ from benchmarks.cost import Finding, Search, line, measured, read
 from benchmarks.questions import changed, geometry, seeds
 from rpr_solver import EXAMPLES
 from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.sampling import long
 from worker.answers.kinds import KINDS
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()
@@ -39,7 +40,7 @@ def test_enough_of_the_changed_questions_are_read() -> None:
         ("poses", {"l1": "14.98", "l2": "15", "l3": "30"}, "answered"),
         ("cusp-table", {"l1": "14.98"}, "answered"),
         ("path", {"l1": "0.001", "cusp": 24}, "InputError"),
-        ("census", {"geometry": {**INNOCENTI, "a3y": f"0.{'0' * 160}1"}, "digits": 15}, "cut"),
+        long("census", {"geometry": {**INNOCENTI, "a3y": f"0.{'0' * 160}1"}, "digits": 15}, "cut"),
     ],
 )
 def test_a_question_is_computed_as_by_a_worker_and_cut_at_its_limit(
@@ -58,6 +59,7 @@ def test_a_question_is_computed_as_by_a_worker_and_cut_at_its_limit(
         assert document["geometry"] == INNOCENTI
 
 
+@pytest.mark.long
 def test_a_finding_holds_its_question(valkey: EmbeddedValkey, redis: Redis) -> None:  # noqa: ARG001
     search = Search(valkey.url, 3, ["poses"], cap=5)
     findings = [x for _ in range(12) if (x := search.step()) is not None]

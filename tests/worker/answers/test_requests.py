@@ -207,13 +207,7 @@ def test_a_geometry_is_hashed_without_reading_its_numbers() -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [
-        {"geometry": EXAMPLES["zein-flat"].to_json()},
-        {"fixed_leg": 2},
-        {"digits": 91},
-        {"l1": ["1"]},
-        {"l1": ["2", "1"]},
-    ],
+    [{"geometry": EXAMPLES["zein-flat"].to_json()}, {"fixed_leg": 2}, {"l1": ["2", "1"]}],
 )
 def test_every_member_changes_the_id(change: dict[str, Any]) -> None:
     content = {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 90, "l1": ["1", "2"]}
