@@ -32,6 +32,7 @@ VALUES: dict[str, list[Any]] = {
     "ignore_windows": [0.01], "loop": ["required"], "min_aspects": [2], "max_aspects": [9],
     "condition": [True], "length_scale": [2.5], "max_condition": [40],
     "budget": [{"censuses": 44}], "seed": [5], "plot": ["census", "mechanism", "loop"],
+    "angle1": [40], "angle2": [40], "angle3": [40], "angle_tolerance_deg": [0.5], "phi": [31],
     "theme": ["dark"], "pose": [2], "width_mm": [90], "style": ["paper"], "unit": ["mm"], "labels": ["none"],
 }  # fmt: skip
 """Values that are not those of a question without the member."""
