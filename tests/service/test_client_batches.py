@@ -89,7 +89,7 @@ def test_the_asynchronous_client_reads_several_batches_at_once(base_url: str) ->
 
 
 def test_what_is_not_valid_is_a_problem_in_its_place(base_url: str) -> None:
-    bad = {"kind": "poses", "request": {"geometry": ZEIN.to_json(), "l1": "1", "l2": "-1"}}
+    bad = {"kind": "poses", "request": {"geometry": ZEIN.to_json(), "l1": "1", "l2": "-1", "l3": "-2"}}
     with ServiceClient(base_url) as client:
         first, second, third = client.ask_all([table(11), bad, {"kind": "poem", "id": "ü"}])
     assert (first.status, second.status, third.status) == ("succeeded", "failed", "failed")

@@ -155,19 +155,6 @@ def asked(api: httpx.Client, path: str, **question: Any) -> httpx.Response:
     return answer
 
 
-def test_the_address_of_an_answer_gives_it_again(api: httpx.Client, fresh: Callable[[], str]) -> None:
-    l1 = fresh()
-    computed, known = (asked(api, "/v1/cusp-tables", l1=l1) for _ in range(2))
-    address = computed.headers["content-location"]
-    assert known.headers["content-location"] == address
-    again = api.get(address)
-    assert again.content == computed.content
-    assert again.headers["etag"] == computed.headers["etag"]
-    same = api.get(address, headers={"If-None-Match": computed.headers["etag"]})
-    assert (same.status_code, same.content) == (304, b"")
-    assert api.get(address, headers={"Accept": "text/csv"}).text.startswith("l1,")
-
-
 def test_an_answer_without_a_job_has_an_address(api: httpx.Client, fresh: Callable[[], str]) -> None:
     first, second = fresh(), fresh()
     for l1 in (first, second):

@@ -381,18 +381,6 @@ def test_a_submission_that_is_still_received(idle: httpx.Client, idle_redis: Red
     assert (answer.status_code, answer.json()["progress"]["total"]) == (202, 2)
 
 
-def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: Redis) -> None:
-    def body() -> Iterator[bytes]:
-        yield lines(poses(15)).encode()
-        until(lambda: idle_redis.keys("cusps:submission:*"))
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        idle.post("/v1/batches", content=body(), headers={**NDJSON, "Idempotency-Key": "gone"})
-    until(lambda: not idle_redis.keys("cusps:submission:*"))
-    assert idle_redis.keys("cusps:job*") == []
-
-
 def test_a_replay_says_that_it_is_one(idle: httpx.Client) -> None:
     key = {**NDJSON, "Idempotency-Key": "sent-twice"}
     answers = [idle.post("/v1/batches", content=lines(poses(15)), headers=key) for _ in range(2)]

@@ -5,13 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
 import httpx
 import pytest
-from redis import Redis
 
 import rpr_solver
 from rpr_solver import (
@@ -26,9 +24,8 @@ from rpr_solver import (
 from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTable
 from tests.support.processes import PATIENCE, until
-from tests.support.service_server import GEOMETRY, NO_WAIT, accepted, ended
+from tests.support.service_server import GEOMETRY, NO_WAIT, ended
 from tests.support.shared import census_of
-from worker.jobs.queue import JobQueue
 
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
@@ -117,23 +114,6 @@ def test_a_motion_within_limits_in_every_form(api: httpx.Client) -> None:
     assert len({api.post("/v1/paths", json=asked).headers["content-location"] for asked in numbers}) == 1
 
 
-@pytest.mark.parametrize(
-    ("members", "field", "message"),
-    [
-        ({"motion": {"speed": 1}}, "motion.acceleration", "is missing"),
-        ({"sampling": {"step": 1}, "samples": 3}, "samples", "follows from sampling"),
-    ],
-)
-def test_a_motion_that_cannot_be_is_refused(
-    api: httpx.Client, members: dict[str, object], field: str, message: str
-) -> None:
-    answer = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, **members})
-    assert answer.status_code == 422
-    [error] = answer.json()["errors"]
-    assert error["field"] == field
-    assert message in error["message"]
-
-
 def test_condition_numbers(api: httpx.Client) -> None:
     first = EXAMPLES["innocenti"]
     answer = api.post("/v1/poses", json={**POSES, "length_scale": "2.5"})
@@ -195,34 +175,6 @@ def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
     assert events.rstrip().splitlines()[-1].startswith('data: {"id":"po-')
 
 
-def test_a_document_that_has_expired_is_gone(
-    api: httpx.Client, redis: Redis, fresh: Callable[[], str]
-) -> None:
-    body = dict(POSES)
-
-    def ask() -> httpx.Response:
-        body["l3"] = fresh()
-        return api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"})
-
-    job = accepted(ask).json()
-    ended(api, job["id"])
-    queue = JobQueue(redis)
-    _, request, _ = queue.records.request(job["id"])  # type: ignore[misc]
-    assert request.job_id == job["id"]
-    redis.delete(queue.store.keys.document(request.content_hash))
-    gone = api.get(job["links"]["result"])
-    assert (gone.status_code, gone.json()["type"]) == (410, "/problems/result-expired")
-    assert api.post("/v1/poses", json=body).status_code == 200
-
-
-def test_a_document_is_canceled_like_a_table(idle: httpx.Client) -> None:
-    job = idle.post("/v1/poses", json=POSES, headers={"Prefer": "wait=0"}).json()
-    early = idle.get(job["links"]["result"])
-    assert (early.status_code, early.json()["detail"]) == (409, "The job is queued: 0 of 1 steps are done.")
-    assert idle.delete(job["links"]["self"]).json()["status"] == "canceled"
-    assert idle.get(job["links"]["result"]).json()["type"] == "/problems/job-canceled"
-
-
 def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> None:
     body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 30}
     answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}}, headers=NO_WAIT)
@@ -244,16 +196,6 @@ def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> 
     assert short["digits"] == 20
     assert [t["l1"][:15] for t in short["transitions"]] == [t["l1"][:15] for t in whole["transitions"]]
     assert {t["l1"] for t in part["transitions"]} <= {t["l1"] for t in whole["transitions"]}
-
-
-@pytest.mark.parametrize(
-    ("change", "field"),
-    [({"range": {"from": -1}}, "range.from"), ({"range": {"form": 2}}, "range.form"), ({"l1": 4}, "l1")],
-)
-def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str, Any], field: str) -> None:
-    answer = idle.post("/v1/censuses", json={"geometry": GEOMETRY, **change})
-    assert answer.status_code == 422
-    assert field in [error["field"] for error in answer.json()["errors"]]
 
 
 def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) -> None:
@@ -296,41 +238,6 @@ def test_a_table_without_a_possible_slice_is_422(idle: httpx.Client, form: str) 
     assert details == ["l1: is -1; a leg length must be > 0", "l1: is -1, 0; a leg length must be > 0"]
 
 
-@pytest.mark.parametrize(
-    ("path", "question", "message"),
-    [
-        ("margins", {}, "l1: is missing; give exactly one of l1, requirement and window"),
-        (
-            "paths",
-            {"from": {"l1": 1, "l2": 2, "l3": 3}, "to": {"l1": 1}},
-            "from.pose: is missing; give the number",
-        ),
-    ],
-)
-def test_what_is_missing_or_too_much_is_said(
-    idle: httpx.Client, path: str, question: dict[str, Any], message: str
-) -> None:
-    answer = idle.post(f"/v1/{path}", json={"geometry": GEOMETRY, **question})
-    assert answer.status_code == 422
-    assert message in answer.json()["detail"]
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"l1": [3, 9], "range": {"to": 8}}, "l1: is 9, outside the range from 0 to 8"),
-        ({"samples": 6}, "samples: asks for 6 points; the limit max_samples is 5"),
-    ],
-)
-def test_wrong_fields_of_cusp_curves_are_named(
-    idle: httpx.Client, change: dict[str, Any], message: str
-) -> None:
-    answer = idle.post("/v1/cusp-curves", json={"geometry": GEOMETRY, **change})
-    assert answer.status_code == 422
-    problem = answer.json()
-    assert message in next(f"{error['field']}: {error['message']}" for error in problem["errors"])
-
-
 def test_the_articles_method_is_audited_and_kept_apart(api: httpx.Client) -> None:
     body = {"geometry": GEOMETRY, "l1": ["14.98", 0], "digits": 20}
     answers = [
@@ -347,22 +254,6 @@ def test_the_articles_method_is_audited_and_kept_apart(api: httpx.Client) -> Non
     assert article["slices"][1] == fast["slices"][1]
     known = api.post("/v1/cusp-tables", json={**body, "method": "article"}, headers={"Accept": "text/csv"})
     assert known.text == rpr_solver.table_csv(fast)
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"method": "article", "fixed_leg": 2, "l2": 1, "l1": None}, "fixes leg 1, but fixed_leg is 2"),
-        ({"method": "article", "l1": [1, 2, 3]}, "the limit max_article_slices is 2"),
-    ],
-)
-def test_wrong_uses_of_the_method_are_reported(idle: httpx.Client, change: dict[str, Any], said: str) -> None:
-    body = {
-        key: value for key, value in {"geometry": GEOMETRY, "l1": 1, **change}.items() if value is not None
-    }
-    answer = idle.post("/v1/cusp-tables", json=body)
-    assert answer.status_code == 422
-    assert said in answer.json()["detail"]
 
 
 def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:

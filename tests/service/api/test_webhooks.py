@@ -195,16 +195,6 @@ def test_the_receiver_says_when_to_come_again(
     assert 2900 < due - time.time() < 3001
 
 
-def test_a_slow_receiver_is_given_up(
-    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
-) -> None:
-    settings = webhooks(webhook_timeout_seconds=0.2, webhook_retry_seconds=())
-    with receiving(slow_seconds=1) as receiver, delivering(idle_redis, settings):
-        delivery = over(idle, canceled(idle, receiver.url))
-    assert delivery["state"] == "exhausted"
-    assert delivery["attempts"][0]["problem"].startswith("ReadTimeout")
-
-
 def authority(folder: Path, host: str = "127.0.0.1") -> Certificates:
     folder.mkdir()
     return Certificates(folder, host)
@@ -391,7 +381,7 @@ def test_http_is_for_private_networks_only(webhooks: Callable[..., WebhookSettin
         target_of("http://8.8.8.8/", settings)
 
 
-@pytest.mark.parametrize("url", ["https://evil.example/", 7, "nonsense"])
+@pytest.mark.parametrize("url", ["https://evil.example/", 7])
 def test_the_service_refuses_them_by_the_name_of_the_field(idle: httpx.Client, url: object) -> None:
     item = {"kind": "poses", "request": {"geometry": GEOMETRY, "l1": 1, "l2": 2, "l3": 3}}
     for path, body in (
@@ -424,21 +414,6 @@ def test_a_batch_of_lines_names_it_in_the_query(
         assert answer.status_code == 202
         assert over(idle, answer.json()["id"])["state"] == "delivered"
     assert verified(receiver, SECRETS[0])[0]["data"]["failed"] == 1
-
-
-def test_a_receiver_that_says_nothing_holds_up_no_other(
-    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
-) -> None:
-    """Its attempts would take a minute each, and there are many more of them than senders."""
-    settings = webhooks(webhook_hosts="127.0.0.1,localhost", webhook_timeout_seconds=60)
-    with receiving() as good, delivering(idle_redis, settings), silent() as slow:
-        jobs = [canceled(idle, slow) for _ in range(12)]
-        for job_id in jobs:  # asked for again after the end, of a host that the service here does not allow
-            Callbacks(idle_redis, WorkerSettings()).add(job_id, good.url.replace("127.0.0.1", "localhost"))
-        until(lambda: len(good.received) == len(jobs))
-        logs = [log for job_id in jobs for log in log_of(idle, job_id)]
-        begun = [log["state"] for log in logs if log["host"] == "127.0.0.1" and log["attempts"]]
-        assert begun == ["pending"] * 2
 
 
 def test_a_host_that_did_not_answer_in_time_has_a_rest(

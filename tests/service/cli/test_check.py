@@ -95,16 +95,6 @@ def test_annotations_on_github_leave_the_json_whole(run_here: Run) -> None:
     assert (shown.returncode, machine.returncode) == (1, 1)
 
 
-def test_joint_limits_and_another_leg(run_here: Run) -> None:
-    limits = ("--l1-limits", "1:2", "--l3-limits", ":5")
-    done = run_here(
-        "check", "zein-flat", "--l2-range", "1:5", "--max-cusps", "4", *limits, "--format", "json"
-    )
-    requirement = json.loads(done.stdout)["requirement"]
-    assert requirement["fixed_leg"] == 2
-    assert requirement["limits"] == {"l1": {"min": "1", "max": "2"}, "l3": {"min": None, "max": "5"}}
-
-
 @pytest.mark.parametrize(
     ("args", "said"),
     [
@@ -149,12 +139,6 @@ def test_single_slices(run_here: Run) -> None:
     }
     assert report["slices"] == [{"l1": "14.98", "count": 4}]
     assert (done.returncode, report["violations"]) == (0, [])
-
-
-def test_an_expectation_of_a_range_is_a_maximum_and_a_minimum(run_here: Run) -> None:
-    done = run_here("check", "zein-flat", *RANGE, "--expect-cusps", "4", "--format", "json")
-    requirement = json.loads(done.stdout)["requirement"]
-    assert (requirement["max_cusps"], requirement["min_cusps"]) == (4, 4)
 
 
 def test_reports_are_opened_before_the_work(run_here: Run, tmp_path: Path) -> None:
@@ -378,12 +362,3 @@ def test_files_with_triangles_are_found_and_faults_are_at_their_lines(run_here: 
     found = [line.split(",")[:2] for line in done.stdout.splitlines() if line.startswith("::error")]
     lines = {Path(file).name: line for file, line in found}
     assert lines == {"wrong.json": "line=4", "broken.json": "line=4"}
-
-
-def test_a_geometry_in_words(run_here: Run) -> None:
-    words = "base=points 1,2 4,6 1,10; platform=sides 3 4 5"
-    done = run_here("check", words, "--l1", "5", "--expect-cusps", "6")
-    assert done.returncode == 0
-    wrong = run_here("check", words.replace("5", "9"), "--l1", "5", "--expect-cusps", "6")
-    assert wrong.returncode == 2
-    assert "geometry.platform.sides[2]" in wrong.stdout

@@ -25,7 +25,6 @@ from rpr_solver import (
     poses,
     restrict_census,
     sensed_poses,
-    singular_csv,
     singular_curves,
     table_csv,
     tolerance_census,
@@ -52,17 +51,6 @@ def test_poses_as_json_and_as_text(run_here: Run) -> None:
     lines = run_here("poses", "innocenti", *LEGS, "--digits", "20").stdout.splitlines()
     assert lines[2] == "L1 = 14.98, L2 = 15, L3 = 30: 2 poses"
     assert lines[4].split()[:2] == [expected["poses"][0]["alpha_deg"], expected["poses"][0]["theta1_deg"]]  # type: ignore[index]
-
-
-def test_singular_curves_in_every_form(run_here: Run) -> None:
-    args = ("singular-curves", "innocenti", "--l1", "27", "--tolerance", "0.01")
-    expected = singular_curves(EXAMPLES["innocenti"], 27, tolerance="0.01").to_json()
-    assert json.loads(run_here(*args, "--format", "json").stdout) == expected
-    assert run_here(*args, "--format", "csv").stdout == singular_csv(expected)
-    lines = run_here(*args).stdout.splitlines()
-    assert lines[2] == "L1 = 27: 3 components"
-    assert any(line.startswith("Joint space: ") for line in lines)
-    assert "Poses: 3 aspects" in lines
 
 
 def test_aspects_of_a_range(run_here: Run) -> None:

@@ -163,28 +163,6 @@ def test_a_file_of_another_system_is_read(run_here: Run, tmp_path: Path) -> None
         assert run_here("solve", str(file), "--l1", "3", "--digits", "15").stdout == plain
 
 
-def test_the_leg_of_the_slices_is_the_fixed_leg(run_here: Run) -> None:
-    done = run_here("solve", "zein-flat", "--l2", "17", "--digits", "15", "--format", "json")
-    assert json.loads(done.stdout) == table_document(EXAMPLES["zein-flat"], 17, fixed_leg=2, digits=15)
-
-
-@pytest.mark.parametrize(
-    ("args", "said"),
-    [
-        (("solve", "inocenti", "--l1", "1"), "did you mean innocenti?"),
-        (("solve", "innocenti", "--l1", "1", "--foo"), "unknown option --foo; see rpr-cusps solve --help"),
-        (
-            ("solve", "innocenti", "--l1", "1", "--l2", "1"),
-            "--l2: is 1, but with fixed leg 1 the slices are",
-        ),
-    ],
-)
-def test_a_message_says_what_would_be_right(run_here: Run, args: tuple[str, ...], said: str) -> None:
-    done = run_here(*args)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert said in done.stderr
-
-
 def test_text_that_is_no_json_is_named_by_its_source(run_here: Run) -> None:
     done = run_here("solve", "-", "--l1", "1", stdin="{bad")
     assert "GEOMETRY: in standard input: the text is not valid JSON" in done.stderr
@@ -270,14 +248,6 @@ def test_what_is_mistyped_is_told_in_one_line(run_here: Run, words: tuple[str, .
     done = run_here(*words)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert said in done.stderr
-
-
-@pytest.mark.parametrize(
-    "words",
-    [("check", "zein-flat", "--l1", "1", "--expect-cusps", "2")],
-)
-def test_json_has_a_short_option_in_every_command(run_here: Run, words: tuple[str, ...]) -> None:
-    assert run_here(*words, "--json").stdout == run_here(*words, "--format", "json").stdout
 
 
 def in_bash(line: str, folder: Path) -> set[str]:

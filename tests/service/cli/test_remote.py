@@ -11,7 +11,6 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
-import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
@@ -144,13 +143,6 @@ def test_cancel(run_here: Run, idle_url: str, idle_queue: JobQueue) -> None:
         )
         assert process.wait(PATIENCE) == 2
         assert "was canceled" in process.stderr.read()
-
-
-def looks(url: str) -> float:
-    """Returns how often clients have looked at jobs."""
-    metrics = httpx.get(f"{url}/metrics").text
-    found = re.search(r'method="GET",route="/v1/jobs/\{job_id\}",status="200"\} (\S+)', metrics)
-    return float(found[1]) if found else 0.0
 
 
 def test_ctrl_c_withdraws_all_checks(idle_url: str, idle_queue: JobQueue) -> None:
