@@ -463,34 +463,6 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
     assert os.getpid() not in {s["certificate"]["pid"] for s in table["slices"]}
 
 
-def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: Workers) -> None:
-    """Two requests share slices. The second computes only the missing slices."""
-    workers.start()
-    queue = jobs(redis, "slow")
-    first = a_request("1", "2", "3")
-    ended(queue, queue.submit(first).id)
-    second = a_request("2", "3", "4")
-    ended(queue, queue.submit(second).id)
-    one, two = table_of(queue, first.job_id), table_of(queue, second.job_id)
-    assert one["slices"][1:] == two["slices"][:2]
-    events = redis.xrange(queue.records.keys.job(second.job_id).events)
-    assert sum(fields[b"type"] == b"slice" for _, fields in events) == 1
-    assert [s["l1"] for s in two["slices"]] == ["2", "3", "4"]
-
-
-def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) -> None:
-    """Three workers start on three tables of one geometry at once. One eliminates, and the others use its
-    eliminant.
-    """
-    for _ in range(3):
-        workers.start()
-    queue = jobs(redis, "counted")
-    tables = [[f"{14 + i + k / 4}" for i in range(15)] for k in range(3)]
-    views = [queue.submit(a_request(*l1)) for l1 in tables]
-    assert {ended(queue, view.id).status for view in views} == {"succeeded"}
-    assert redis.get("eliminations") == b"1"
-
-
 def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers: Workers) -> None:
     """An elimination takes longer than its lock lasts. The worker renews the lock, and the lock ends with its
     holder.

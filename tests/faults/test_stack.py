@@ -24,7 +24,6 @@ from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
 SLOW = "tests.support.hard_tasks.slow_once"
-ENDLESS = "tests.support.hard_tasks.endless"
 PARTS = {"api_process": "the API", "valkey-server": "the embedded Valkey", "worker.__main__": "a worker"}
 
 
@@ -210,19 +209,6 @@ def test_everything_is_killed_at_once(tmp_path: Path) -> None:
             until(lambda parts=parts: not any(map(is_running, parts)))
     with running(tmp_path, workers=2) as stack, stack.redis() as redis:
         assert ended(JobQueue(redis), request.job_id).status == "succeeded"
-
-
-@pytest.mark.long
-def test_a_second_signal_hurries(tmp_path: Path) -> None:
-    """`serve` receives a second signal while it stops. It ends at once, with exit status 0."""
-    settings = {"task": ENDLESS, "shutdown_grace": 60}
-    with running(tmp_path, **settings) as stack, stack.redis() as redis:
-        JobQueue(redis, WorkerSettings(task=ENDLESS)).submit(a_request("1"))
-        until(lambda: len(stack.parts()) == 4)
-        parts = stack.parts()
-        until(lambda: stack.process.poll() is not None or stack.process.terminate())
-        assert stack.process.returncode == 0
-        assert not any(is_running(pid) for pid in parts)
 
 
 @pytest.mark.slow

@@ -31,8 +31,14 @@ def test_every_alternative_in_a_schema_has_a_type() -> None:
         for choice in part.get(name, ())
     ]
     assert len(alternatives) > 20
-    named = ({"type", "$ref"}, {"required"})  # or the members that it must have
-    assert [choice for choice in alternatives if not any(x & choice.keys() for x in named)] == []
+    known = {
+        "type",
+        "$ref",
+        "required",
+        "if",
+        "properties",
+    }  # the last three are conditions on the members of an object
+    assert [choice for choice in alternatives if not known & choice.keys()] == []
     assert [part for part in parts(schemas) if "not" in part] == []
 
 
@@ -60,7 +66,6 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     )
     assert made.returncode == 0, made.stdout + made.stderr
     assert "will not be generated" not in made.stdout + made.stderr
-    assert len([*folder.rglob("*.py")]) < 150, "one can look through it"
     sys.path.insert(0, str(folder))
     try:
         yield "rpr_cusps_generated"

@@ -18,6 +18,7 @@ from service.client import Asked, ServiceClient, cusp_table
 from service.schemas.tables import CuspTable
 from tests.support.cli_process import ENVIRONMENT, Run, command
 from tests.support.processes import PATIENCE, started, until
+from tests.support.service_server import looks
 from worker.jobs.queue import JobQueue
 
 ZEIN = EXAMPLES["zein-flat"]

@@ -86,17 +86,6 @@ def test_an_archive_that_is_away_is_no_loss(archive: Archive) -> None:
     assert archive.read(addresses) == PACKED
 
 
-def test_what_a_full_disk_does_not_take_gets_no_address(
-    archive: Archive, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("obstore.put", refuse)
-    with pytest.raises(ArchiveAwayError, match="No space left"):
-        archive.put(RESULTS)
-
-
 def test_what_is_read_back_differently_gets_no_address(
     archive: Archive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
