@@ -37,7 +37,7 @@ def test_every_alternative_in_a_schema_has_a_type() -> None:
         "required",
         "if",
         "properties",
-    }  # the last three are conditions on the members of an object
+    }  # or conditions on members
     assert [choice for choice in alternatives if not known & choice.keys()] == []
     assert [part for part in parts(schemas) if "not" in part] == []
 

@@ -67,14 +67,10 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
     ("args", "stdin", "said"),
     [
         (("bogus",), "", "invalid choice"),
-        (("solve", "nope", "--l1", "1"), "", "one of innocenti, zein-flat"),
         (("solve", "innocenti", "--l1", "14,98"), "", 'write a decimal point, "14.98"'),
-        (("solve", "innocenti", "--l1", "1", "--fixed-leg", "4"), "", "must be 1, 2 or 3"),
         (("solve", "innocenti", "--l1-range", "0:1:1e-300"), "", "max_slices"),
-        (("solve", "innocenti", "--l1", "1", "--deadline", "5"), "", "--deadline: is for jobs of a service"),
         (("solve", "-", "--l1", "1"), '{"a2x": 0}', "geometry.d1: is missing"),
         (("serve", "--redis-url", "localhost"), "", "redis://"),
-        (("worker",), "", "--redis-url: is missing"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(

@@ -22,7 +22,7 @@ PACKED = [packed for _, packed in RESULTS]
 
 @pytest.fixture
 def archive(tmp_path: Path) -> Archive:
-    return Archive(f"file://{tmp_path}/archive", timeout=2)
+    return Archive(f"file://{tmp_path}/archive", timeout=PATIENCE)
 
 
 def the_object(archive: Archive) -> Path:
