@@ -19,11 +19,12 @@ from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
 WAIT = {"Prefer": "wait=30"}
+GATED = "tests.support.hard_tasks.gated"
 
 
 def blocking(redis: Redis) -> JobQueue:
     """A queue whose jobs wait for the key `gate`, without using a processor."""
-    return JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.gated"))
+    return JobQueue(redis, WorkerSettings(task=GATED))
 
 
 def a_slice(l1: str) -> dict[str, object]:
@@ -142,7 +143,7 @@ def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, wo
     """A job is not done by the deadline of its request, running or queued. It fails with `timeout`; its work
     horse ends, and the worker continues."""
     queue = blocking(redis)
-    workers.start()
+    workers.start(task=GATED)  # by which it is tried again, in the lane of heavy ones
     running = queue.submit(a_request("1"), deadline_seconds=4)
     until(lambda: redis.llen("begun") == 1)
     waiting = queue.submit(a_request("2"), deadline_seconds=0.5)
@@ -163,7 +164,7 @@ def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, wo
 def test_the_most_patient_client_counts(redis: Redis, workers: Workers) -> None:
     """Two clients share a job, with different deadlines. It continues until the later one."""
     queue = blocking(redis)
-    workers.start()
+    workers.start(task=GATED)  # by which it is tried again, in the lane of heavy ones
     job = queue.submit(a_request("1"), deadline_seconds=2).id
     queue.submit(a_request("1"), deadline_seconds=60)
     time.sleep(2.5)

@@ -12,7 +12,6 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, singular_curves
-from rpr_solver.notebook.style import Style
 from tests.service.api.test_documents_api import is_whole
 from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue
@@ -107,29 +106,6 @@ def test_a_picture_is_a_document_too(api: httpx.Client) -> None:
     assert document["title"] == "Pose 2 of 6 with these legs"
     assert ElementTree.fromstring(document["svg"]).attrib["role"] == "img"
     assert api.post("/v1/plots", json=body, headers={"Accept": SVG}).text == document["svg"]
-
-
-def test_a_picture_for_print_by_both_ways(api: httpx.Client) -> None:
-    setting = {"width_mm": 86, "style": "paper", "unit": "mm", "labels": "caption"}
-    body = {"geometry": GEOMETRY, "l1": "14.98", **setting}
-    drawn = api.post("/v1/plots", json=body).json()
-    style = Style(width_mm=86, has_symbols=True, unit="mm", has_title=False)
-    expected = singular_curves(EXAMPLES["innocenti"], "14.98").figure().styled(style).svg()
-    assert drawn["svg"] == expected == api.get(picture(l1="14.98", **setting)).text
-    assert 'width="86mm"' in expected
-    plain = {"width_mm": None, "style": "page", "unit": "", "labels": "both"}
-    assert (
-        api.post("/v1/plots", json={**body, **plain}).text
-        == api.post("/v1/plots", json={"geometry": GEOMETRY, "l1": "14.98"}).text
-    )
-
-
-@pytest.mark.parametrize("plot", ["torus", "mechanism"])
-def test_every_view_of_a_slice(api: httpx.Client, plot: str) -> None:
-    cusp = {} if plot == "torus" else {"cusp": "B"}
-    answer = api.get(picture(plot=plot, l1=27, wait=30, theme="dark", **cusp))
-    assert answer.status_code == 200
-    assert answer.text.startswith("<svg ")
 
 
 @pytest.mark.parametrize(

@@ -138,16 +138,6 @@ def test_condition_numbers(api: httpx.Client) -> None:
         assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, field)
 
 
-def test_the_widest_path_in_a_range(api: httpx.Client) -> None:
-    body = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "from": 1, "to": 2, "samples": 2}
-    answer = api.post("/v1/paths", json={**body, "clearance": 3, "between": {"from": 26, "to": 28}})
-    assert answer.status_code == 200
-    path = answer.json()
-    assert is_whole("Path", path)
-    assert (path["between"], path["clearance"]["asked"]) == ({"from": "26", "to": "28"}, "3")
-    assert 3 <= float(path["clearance"]["proved"]) <= float(path["clearance"]["bound"])
-
-
 def test_a_cusp_that_a_slice_lacks_is_bad_input(api: httpx.Client) -> None:
     refused = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "cusp": "I"})
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")
@@ -271,23 +261,6 @@ def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:
     exact = {**requirement, "range": {"from": "28.0", "to": "62/2"}, "limits": {}}
     again = api.post("/v1/checks", json={"geometry": GEOMETRY, "requirement": exact, "digits": 30})
     assert (again.status_code, again.json()) == (200, report)
-
-
-@pytest.mark.long
-def test_a_check_within_a_tolerance(api: httpx.Client) -> None:
-    requirement = {"range": {"from": 21, "to": 26}, "max_cusps": 6}
-    question = {"geometry": GEOMETRY, "requirement": requirement, "digits": 15, "tolerance": "0.2"}
-    report = api.post("/v1/checks", json=question, headers={"Prefer": "wait=30"}).json()
-    assert is_whole("CheckReport", report)
-    assert (report["passed"], report["violations"]) == (False, [])
-    assert report["margin"]["verdict"] == "refuted"
-    example = report["margin"]["counterexample"]
-    other = {**question, "geometry": example["geometry"]}
-    del other["tolerance"]
-    assert api.post("/v1/checks", json=other, headers={"Prefer": "wait=30"}).json()["max_cusps_found"] > 6
-    asked = {name: question[name] for name in ("geometry", "requirement", "tolerance")}
-    margin = api.post("/v1/margins", json=asked)
-    assert (margin.status_code, margin.json()["counterexample"]) == (200, example)
 
 
 @pytest.mark.parametrize(

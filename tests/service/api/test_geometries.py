@@ -184,21 +184,6 @@ def test_poses_are_told_in_the_frame_of_the_points(api: httpx.Client) -> None:
     assert drawn == poses(IRRATIONAL[0])
 
 
-def test_paths_are_told_in_the_frame_of_the_points(api: httpx.Client) -> None:
-    def path(geometry: object) -> list[dict[str, Any]]:
-        body = {"geometry": geometry, "l1": "5.5", "cusp": 1, "samples": 5}
-        samples: list[dict[str, Any]] = api.post("/v1/paths", json=body, headers=WAIT).json()["samples"]
-        return samples
-
-    plain, placed = path(SIX), path({"base": {"points": CORNERS}, "platform": {"points": HAND}})
-    for sample in placed:
-        x, y, phi = float(sample.pop("x")), float(sample.pop("y")), radians(float(sample.pop("phi_deg")))
-        joints = [(x + cos(phi) * u - sin(phi) * v, y + sin(phi) * u + cos(phi) * v) for u, v in HAND]
-        legs = [hypot(u - a, v - b) for (u, v), (a, b) in zip(joints, CORNERS, strict=True)]
-        assert legs == pytest.approx([float(sample[f"l{k}"]) for k in (1, 2, 3)], abs=1e-12)
-    assert placed == plain
-
-
 SHARED = {"base": {"points": [[1, 1], [1, 1], [7, 1]]}, "platform": {"sides": [3, 4, 5]}}
 
 

@@ -299,18 +299,6 @@ def test_a_tolerance_is_proved_or_refuted(run_here: Run, tmp_path: Path) -> None
     assert slice_.count == example["count"] > 6
 
 
-def test_single_slices_within_a_tolerance(run_here: Run) -> None:
-    args = ("check", "innocenti", "--l1", "28.1", "--expect-cusps", "10")
-    proved = run_here(*args, "--tolerance", "d1=0.0005, a3x=0.0001")
-    assert proved.returncode == 0
-    assert proved.stdout.startswith(
-        "cusps at L1 = 28.1: 10 expected, with a3x within 0.0001, d1 within 0.0005\n"
-    )
-    refuted = run_here(*args, "--tolerance", "d1=0.004")
-    assert refuted.returncode == 1
-    assert "failed: 8 cusps at L1 = 28.1 within the tolerance, for a2x = 15.91, " in refuted.stdout
-
-
 @pytest.mark.parametrize("sides", [(15, 25, 20)], ids=["similar"])
 def test_degenerate_families_are_open_within_any_tolerance(run_here: Run, sides: tuple[int, ...]) -> None:
     geometry = {"a2x": 30, "a3x": 0, "a3y": 40, **dict(zip(("d1", "d2", "d3"), sides, strict=True))}

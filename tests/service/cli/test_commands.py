@@ -27,7 +27,6 @@ from rpr_solver import (
     sensed_poses,
     singular_curves,
     table_csv,
-    tolerance_census,
     with_condition,
     with_sensitivities,
     workspace,
@@ -211,24 +210,6 @@ def test_a_path_from_pose_to_pose_or_why_there_is_none(run_here: Run) -> None:
     assert document == joint_path(EXAMPLES["innocenti"], 27, "25.7", "9.2", 2, 1).to_json()
 
 
-def test_joint_limits_of_paths_and_loops(run_here: Run) -> None:
-    first, ends = (
-        EXAMPLES["innocenti"],
-        ("--l1", "27", "--l2", "20", "--l3", "20", "--from", "3", "--to", "4"),
-    )
-    for limits, asked, line in (
-        (("--l2-limits", "5:21"), {"l2": (5, 21)}, "; all joint limits are kept."),
-        (("--l2-limits", "21:"), {"l2": (21, None)}, "These lengths themselves exceed the joint limits."),
-        (("--l2-limits", "19:25"), {"l2": (19, 25)}, "Poses were examined in boxes of 1.40625° × 1.40625°."),
-    ):
-        expected = joint_path(first, 27, 20, 20, 3, 4, limits=asked).to_json()
-        args = ("path", "innocenti", *ends, *limits)
-        assert json.loads(run_here(*args, "--format", "json").stdout) == expected
-        assert line in run_here(*args).stdout
-    loop = run_here("path", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "8:20", "--samples", "3")
-    assert loop.stdout.splitlines()[-1].endswith("counter-clockwise; all joint limits are kept.")
-
-
 def test_the_clearance_of_a_path(run_here: Run) -> None:
     args = ("path", "innocenti", "--l1", "27", "--l2", "20", "--l3", "20", "--from", "1", "--to", "2")
     wide = run_here(*args, "--samples", "2", "--clearance", "best").stdout.splitlines()
@@ -303,22 +284,6 @@ def test_a_census_with_sensitivities_in_every_form(run_here: Run) -> None:
     text = run_here(*part).stdout
     assert "Sensitivities: how fast L1 of each transition changes with each length" in text
     assert moves["a3y"] in text
-
-
-def test_a_census_of_a_tolerance_in_every_form(run_here: Run) -> None:
-    part = ("census", "zein-flat", "--l1-range", "35:36", "--digits", "15", "--tolerance", "a2x=0.0001")
-    document = json.loads(run_here(*part, "--format", "json").stdout)
-    answer = tolerance_census(EXAMPLES["zein-flat"], {"a2x": "0.0001"}, start=35, stop=36, digits=15)
-    assert document == answer.to_json()
-    [transition] = document["transitions"]
-    [head, first, last] = csv.reader(run_here(*part, "--format", "csv").stdout.splitlines())
-    assert head[5:] == ["transition_from", "transition_to"]
-    assert first[5:] == [transition["from"], transition["to"]]
-    assert last[5:] == ["", ""]
-    text = run_here(*part).stdout
-    assert "With a2x within 0.0001: the bounds of each transition" in text
-    assert transition["from"] in text
-    assert "in this order" in text
 
 
 @pytest.mark.slow

@@ -57,11 +57,6 @@ def test_a_full_disk_is_one_line(form: str) -> None:
     assert done.stderr == "rpr-cusps solve: cannot write to stdout: No space left on device\n"
 
 
-def test_the_help_on_a_full_disk_is_one_line() -> None:
-    done = into(("--help",), ">/dev/full")
-    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-
-
 def test_a_closed_stdout_is_noticed_before_the_work() -> None:
     done = into(SCAN, ">&-")
     assert (done.returncode, done.stderr) == (
@@ -163,11 +158,6 @@ def test_a_file_of_another_system_is_read(run_here: Run, tmp_path: Path) -> None
         assert run_here("solve", str(file), "--l1", "3", "--digits", "15").stdout == plain
 
 
-def test_text_that_is_no_json_is_named_by_its_source(run_here: Run) -> None:
-    done = run_here("solve", "-", "--l1", "1", stdin="{bad")
-    assert "GEOMETRY: in standard input: the text is not valid JSON" in done.stderr
-
-
 NUMBERS = st.from_regex(r"-?[0-9]{1,4}\.[0-9]{1,90}(e-[0-9]{1,3})?", fullmatch=True)
 WORDS = st.sampled_from(
     ["swallowtail", "beak-to-beak", "", "8 → 10", "426/25", "C14", "k1 = k3 = 0: the first column vanishes"]
@@ -203,15 +193,6 @@ def test_columns_fit_or_become_records(rows: list[tuple[str, ...]], width: int) 
             assert "…" in "".join(lines) or " ".join(lines).split() == cell.split()
 
 
-@pytest.mark.parametrize("width", [40])
-def test_lines_break_between_words_and_never_within_an_equation(width: int) -> None:
-    text = "3-RPR manipulator  a2x = 15.91  a3x = 0  a3y = 10  d1 = 17.04  (ccw)"
-    lines = pages.wrapped(text, width)
-    assert max(map(len, lines)) <= width
-    assert " ".join(" ".join(lines).split()) == " ".join(text.split())
-    assert not any(re.search(r"(^=|=$)", line.strip()) for line in lines)
-
-
 @given(st.lists(st.tuples(st.integers(0, 50), st.integers(1, 500)), max_size=20))
 def test_progress_never_runs_backwards(steps: list[tuple[int, int]]) -> None:
     stages = Stages()
@@ -227,13 +208,6 @@ def test_without_a_command_the_help_is_printed_and_it_is_no_success(run_here: Ru
     assert bare.stdout == asked.stdout == option.stdout
     assert (bare.returncode, asked.returncode, bare.stderr) == (2, 0, "")
     assert all(f"\n  {name}" in bare.stdout for name in COMMANDS)
-
-
-@pytest.mark.parametrize("words", [("census",), ("keys", "create")])
-def test_help_of_a_command(run_here: Run, words: tuple[str, ...]) -> None:
-    asked, option = run_here("help", *words), run_here(*words, "--help")
-    assert (asked.returncode, asked.stdout) == (0, option.stdout)
-    assert asked.stdout.startswith(f"usage: rpr-cusps {' '.join(words)} ")
 
 
 @pytest.mark.parametrize(
@@ -278,17 +252,6 @@ def test_bash_completes_commands_and_geometries(tmp_path: Path) -> None:
     (tmp_path / "robot.json").write_text("{}")
     assert in_bash("rpr-cusps c", tmp_path) == {name for name in COMMANDS if name.startswith("c")}
     assert in_bash("rpr-cusps solve ", tmp_path) >= {*EXAMPLES, "robot.json", "robots/"}
-
-
-@pytest.mark.long
-def test_bash_completes_options_choices_and_files_in_folders(tmp_path: Path) -> None:
-    (tmp_path / "robots").mkdir()
-    for name in ("gripper.json", "notes.txt"):
-        (tmp_path / "robots" / name).write_text("{}")
-    assert in_bash("rpr-cusps check innocenti --max", tmp_path) == {"--max-cusps"}
-    assert in_bash("rpr-cusps solve innocenti --format c", tmp_path) == {"csv"}
-    assert in_bash("rpr-cusps solve robots/", tmp_path) == {"robots/gripper.json"}
-    assert in_bash("rpr-cusps completion ", tmp_path) >= {"bash", "zsh", "fish"}
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
