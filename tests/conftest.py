@@ -35,6 +35,7 @@ EXPENSIVE = {
     *("test_figure", "test_figures", "test_connections", "test_extremes", "test_designs", "test_orders"),
     *("test_finding", "test_equations", "test_programs", "test_leg_poses", "test_notebook", "test_margins"),
     *("test_fold_boxes", "test_learning", "test_cut_texts", "test_inventory", "test_workspace"),
+    "test_thresholds",
 }
 """Directories and files that the quick run leaves out: those that cost a second of processor time or more."""
 
