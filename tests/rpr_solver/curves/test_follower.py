@@ -11,9 +11,9 @@ import mpmath as mp
 import pytest
 from flint import arb, ctx
 
-from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, solve_slice
+from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, cusp_curves, solve_slice
 from rpr_solver.curves import follower as follower_module
-from rpr_solver.curves.follower import Cusp, Follower, Lost, Tracker
+from rpr_solver.curves.follower import Cusp, Follower, Lost, Tracker, expected_work
 from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
 from rpr_solver.model.jets import HalfTangent
 from tests.support.definitions import Point, Slices, distance
@@ -229,6 +229,37 @@ def test_curves_that_take_too_many_tubes_are_refused(monkeypatch: pytest.MonkeyP
     tracker = Tracker(eliminant_of(FLAT), DIGITS)
     with pytest.raises(Unproved, match="bound of work"):
         all_from(tracker, Fraction("34.6"), Fraction("36.2"))
+
+
+def test_what_would_take_too_long_is_refused_before_a_cusp_is_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Congruent triangles, but for 1e-40 of a side, mirrored."""
+
+    def walk(*_: object) -> None:
+        raise AssertionError("a cusp is followed")
+
+    monkeypatch.setattr(follower_module.Follower, "walk", walk)
+    sides = {"base": {"sides": ["23", "7", "20"]}, "platform": {"sides": ["23", "7", f"20.{'0' * 39}1"]}}
+    near = Manipulator.from_json({**sides, "orientation": "cw"})
+    with pytest.raises(Unproved, match="bound of work"):
+        cusp_curves(near, digits=15)
+
+
+@pytest.mark.parametrize(
+    ("counts", "least", "most"),
+    [
+        ([(1, 4), (2, 6), (3, 4), (9, 8)], 0, 300),
+        # cusps that pass through forty decades, or two transitions as close as that
+        ([(Fraction(1, 10**40), 4), (2, 6), (9, 8)], 1000, 4000),
+        ([(1, 4), (2, 6), (2 + Fraction(1, 10**40), 4), (9, 8)], 500, 3000),
+    ],
+)
+def test_the_work_that_is_expected_grows_with_decades(
+    counts: list[tuple[Fraction, int]], least: float, most: float
+) -> None:
+    exact = [(Fraction(length), count) for length, count in counts]
+    assert least < expected_work(exact) < most
 
 
 def test_no_more_is_done_once_a_slice_is_full() -> None:
