@@ -82,6 +82,7 @@ class Sizes:
         is_slice: whether a picture shows one slice or joint vector, rather than all lengths.
         is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
             one by one.
+        is_thin: whether the platform is flat, so that no slice keeps its cusps if a side grows.
         fineness: by how much finer than a whole picture curves are drawn, as a root.
         objects: how many objects stand in the lists of a document: cusps, poses, events, points.
         limit: seconds after which a verification stops, as the length of the document allows.
@@ -100,6 +101,7 @@ class Sizes:
     objects: int = 0
     is_slice: bool = True
     is_special: bool = False
+    is_thin: bool = False
     limit: float = inf
     fineness: int = 0
 
@@ -113,6 +115,7 @@ class _GeometrySizes:
     nearness: int
     alikeness: int
     is_special: bool
+    is_thin: bool
 
 
 def sizes_of(content: Mapping[str, Any], manipulator: Callable[[], Manipulator]) -> Sizes:
@@ -136,6 +139,7 @@ def sizes_of(content: Mapping[str, Any], manipulator: Callable[[], Manipulator])
         nearness=own.nearness,
         alikeness=own.alikeness,
         is_special=own.is_special,
+        is_thin=own.is_thin,
         fineness=_fineness(content.get("tolerance")),
         objects=texts.count(None),
     )
@@ -248,10 +252,10 @@ def all_events(size: Sizes) -> float:
     """All transitions of a manipulator, and aspects between.
 
     Measured: 70 ms with sides of 3 digits, 0.7 s with 64 and 1.7 s with 128; beside special shapes of 40
-    digits 0.1 to 3 s, of 16 digits 0.1 to 0.8; flat and congruent triangles 0.2 to 0.8 s.
+    digits 0.1 to 3 s, of 16 digits 0.1 to 0.8; flat and congruent triangles 0.06 to 0.8 s.
     """
     numbers = 0.0022 * size.geometry + 5e-6 * size.geometry**2 + 2e-4 * size.digits
-    return 0.12 + numbers + 0.006 * size.nearness + 0.25 * size.is_special
+    return 0.12 + numbers + 0.006 * size.nearness + 0.1 * size.is_special
 
 
 def _fineness(tolerance: object) -> int:
@@ -313,9 +317,9 @@ Squares = tuple[int, int, int]
 """The squares of the sides of a triangle."""
 
 
-def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> tuple[int, int, bool]:
+def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> tuple[int, int, bool, bool]:
     """Bits by which the triangles nearly are flat, equilateral, congruent or similar; those of the last two,
-    corner by corner; whether they are flat or similar.
+    corner by corner; whether they are flat or similar; whether the platform is flat.
 
     `height`: the bits by which the base nearly is flat.
 
@@ -332,7 +336,7 @@ def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> t
         right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
         most = max(most, equal[1], equal[2] // 2, right // 2)
     alike, partly, are_similar = _alike(base, platform)
-    return max(most, alike, partly), alike, is_flat or not area or are_similar
+    return max(most, alike, partly), alike, is_flat or not area or are_similar, not area
 
 
 def _alike(base: Squares, platform: Squares) -> tuple[int, int, bool]:
