@@ -129,10 +129,10 @@ _MOST_WORK = 2400
 """The greatest work between all slices of a survey, or between two others: five to eight seconds. All curves
 of a manipulator with 18 cusps take 400; beside a special shape most take 400 to 1,800."""
 _MOST_EXPECTED = 1600
-"""The greatest work that is begun. Where that was measured, it took 0.8 to 1.7 times as much as is expected."""
+"""The greatest work that is begun. It takes 0.8 to 1.7 times as much as is expected, seldom three times."""
 _WORK, _WORK_OF_GROWTH, _WORK_OF_CLOSENESS = 150, 4.5, 7.0
-"""Expected in any case; for each cusp while L grows by a factor of e; and for each birth or death of two cusps
-in a gap, for each factor of e by which the gap is less than its length."""
+"""What is expected in any case; for each cusp while L grows by a factor of e; and for each birth or death of
+two cusps in a gap, for each factor of e by which the gap is less than its length."""
 
 Cusp = tuple[Fraction, int]
 """A cusp by the length of its slice and its index in the table, from 0."""

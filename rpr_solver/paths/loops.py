@@ -246,7 +246,7 @@ def loop_in_range(report: CheckReport) -> Path | None:
 
 
 class TooLong(Unproved):
-    """No loop was proved, and some would have taken too many pieces, as those of far longer legs than sides."""
+    """No loop was proved, and some would take too many pieces, as where legs are far longer than sides."""
 
 
 class _Search:
