@@ -39,7 +39,7 @@ def test_enough_of_the_changed_questions_are_read() -> None:
         ("poses", {"l1": "14.98", "l2": "15", "l3": "30"}, "answered"),
         ("cusp-table", {"l1": "14.98"}, "answered"),
         ("path", {"l1": "0.001", "cusp": 24}, "InputError"),
-        ("census", {"geometry": {**INNOCENTI, "a3y": f"0.{'0' * 160}1"}, "digits": 15}, "cut"),
+        ("cusp-table", {"l1": {"from": "0.1", "to": "100", "step": "0.1"}, "digits": 1000}, "cut"),
     ],
 )
 def test_a_question_is_computed_as_by_a_worker_and_cut_at_its_limit(
@@ -52,7 +52,7 @@ def test_a_question_is_computed_as_by_a_worker_and_cut_at_its_limit(
     request = read(kind, {"geometry": INNOCENTI, **more})
     assert request is not None
     taken, how, document = measured(request, valkey.url, 1)
-    assert (how, 0 < taken < 10) == (ended, True)
+    assert (how.partition(":")[0], 0 < taken < 10) == (ended, True)
     assert (document is None) == (ended != "answered")
     if document is not None:
         assert document["geometry"] == INNOCENTI
