@@ -160,6 +160,21 @@ def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
     assert estimate(CENSUS, WHOLE, geometry) < 1
 
 
+def test_the_margin_of_a_slice_of_a_flat_platform_is_not_dear() -> None:
+    flat = {**HERON, "d1": "28"}
+    slice_, window = {"length": "9"}, {"window": 1}
+    assert estimate(MARGIN, slice_, flat) < 0.08 < 1 < estimate(MARGIN, slice_, HERON)
+    assert estimate(MARGIN, window, flat) > 1
+
+
+def test_changes_of_nearly_similar_triangles_are_dear_if_their_senses_agree() -> None:
+    near = {**HERON, "d1": "28", "d2": "30", "d3": f"26.{'0' * 30}1"}
+    agree, differ = (estimate(MODES, {"length": "9"}, {**near, "orientation": x}) for x in ("ccw", "cw"))
+    assert differ < agree / 2
+    congruent = {**HERON, "d3": f"13.{'0' * 30}1", "orientation": "cw"}
+    assert estimate(MODES, {"length": "9"}, congruent) > 2 * differ
+
+
 @pytest.mark.parametrize(
     ("kind", "content", "least"),
     [
