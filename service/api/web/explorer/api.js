@@ -110,12 +110,17 @@ export async function fileOf([path, question], accept) {
   return response;
 }
 
+/** Saves something as a file. */
+export function keep(blob, name) {
+  const url = URL.createObjectURL(blob);
+  make("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
+}
+
 /** Saves the answer to a question as a file. */
 export async function save(question, accept, name) {
   try {
-    const url = URL.createObjectURL(await (await fileOf(question, accept)).blob());
-    make("a", { href: url, download: name }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 1000);
+    keep(await (await fileOf(question, accept)).blob(), name);
   } catch (error) {
     say(error.message);
   }
