@@ -63,8 +63,8 @@ QUESTIONS: dict[str, tuple[str, Manipulator, str, Requirement, dict[str, Any]]] 
         "first manipulator ±15 %: least change for at most 6 cusps on [5, 30], windows of 1e-3 ignored",
         INNOCENTI,
         "least-change",
-        Requirement(start=5, stop=30, max_cusps=6),
-        {"vary": "15%", "budget": 300, "ignore_windows": "0.001"},
+        Requirement(start=5, stop=30, max_cusps=6, ignore_windows="0.001"),
+        {"vary": "15%", "budget": 300},
     ),
     "cusps": (
         "most cusps, from random starts",
@@ -148,9 +148,8 @@ def job(workers: int) -> float:
     body = {
         "geometry": INNOCENTI.to_json(),
         "objective": "least-change",
-        "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 6},
+        "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 6, "ignore_windows": "0.001"},
         "vary": "15%",
-        "ignore_windows": "0.001",
     }
     with serving("--workers", str(workers)) as stack, ServiceClient(stack.url) as client:
         start = time.monotonic()

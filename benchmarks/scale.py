@@ -1,9 +1,12 @@
 """What a slice costs as its question grows, and what a long job takes in time, memory and store.
 
     python -m benchmarks.scale [--plot FILE.svg] [--job 20000 [--workers 1 2] [--only-job]]
+    python -m benchmarks.scale --slices 1 10 100 1000 10000
 
 Costs are processor time of a slice in a chunk of the first manipulator, by digits of the answer, and by
-digits of the input numbers at 30 digits of the answer. `--job` adds one job with so many slices at 15 digits,
+digits of the input numbers at 30 digits of the answer. `--slices` prints instead what a slice costs from
+nothing by the number of slices at 15 digits: processor time of one process, and of the slower of two that
+share the slices, which is what two idle cores take. `--job` adds one job with so many slices at 15 digits,
 sent to a service in an empty data directory, once for each number of workers: time, processor time, bytes of
 the store, and the greatest memory of a process.
 """
@@ -17,18 +20,21 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from multiprocessing import Pool, Value
 from pathlib import Path
 
 import httpx
 
 from benchmarks.overhead import processor_seconds
 from benchmarks.stack import GEOMETRY, serving
-from rpr_solver import EXAMPLES, Manipulator, eliminate, solve_slices
+from rpr_solver import EXAMPLES, Manipulator, SliceTable, eliminate, solve_slices
 
 DIGITS = {15: 300, 30: 300, 90: 300, 300: 150, 1000: 100, 3000: 64, 10_000: 64}
 """Digits of the answer → slices."""
 INPUTS = {3: 300, 10: 200, 30: 100, 100: 64, 200: 64}
 """Digits of each input number → slices."""
+COUNT = Value("i", 0)
+"""Slices of a scan that processes share."""
 NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
@@ -71,6 +77,27 @@ def costs() -> Iterator[tuple[str, int, float]]:
         once, each, _ = milliseconds(longer(digits), spread(count, digits), 30)
         print(f"{digits:<24}{once:12.1f}{each:12.2f}", flush=True)
         yield "input", digits, each
+
+
+def scan(share: tuple[int, int]) -> float:
+    """The processor time of a process for every n-th slice of a scan from nothing, from the k-th on."""
+    start, step = share
+    list(solve_slices(eliminate(EXAMPLES["twelve-cusps"]), [8, 9, 10, 11, 12], 15))
+    begin = time.process_time()
+    lengths = spread(COUNT.value, 6)[start::step]
+    assert all(isinstance(x, SliceTable) for x in solve_slices(eliminate(EXAMPLES["innocenti"]), lengths, 15))
+    return time.process_time() - begin
+
+
+def numbers_of_slices(counts: Sequence[int]) -> None:
+    """Print the table by the number of slices."""
+    print(f"{'slices':>8}{'ms a slice, one process':>26}{'two processes':>16}")
+    for count in counts:
+        COUNT.value = count
+        with Pool(2) as pool:
+            one = pool.apply(scan, ((0, 1),))
+            two = max(pool.map(scan, ((0, 2), (1, 2)), 1)) if count > 1 else one
+        print(f"{count:8}{1000 * one / count:26.2f}{1000 * two / count:16.2f}", flush=True)
 
 
 def plot(points: Sequence[tuple[str, int, float]], path: Path) -> None:
@@ -166,7 +193,11 @@ def main() -> None:
     parser.add_argument("--job", type=int, help="slices of one long job")
     parser.add_argument("--workers", type=int, nargs="+", default=[1], help="of the job; default: 1")
     parser.add_argument("--only-job", action="store_true", help="nothing but the job")
+    parser.add_argument("--slices", type=int, nargs="+", help="numbers of slices; nothing else is measured")
     args = parser.parse_args()
+    if args.slices:
+        numbers_of_slices(args.slices)
+        return
     points = [] if args.only_job else list(costs())
     if args.plot:
         plot(points, args.plot)

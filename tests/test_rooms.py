@@ -31,7 +31,7 @@ MAY_IMPORT = {
     "transitions singular",
     "rpr_solver.designs": "errors contract notebook exact triangles model slices transitions margins paths",
     "rpr_solver.modes": "errors contract notebook boxes exact triangles legs model slices "
-    "transitions singular paths",
+    "transitions singular margins paths",
     "rpr_solver.along": "errors contract notebook exact triangles model slices singular paths modes",
     "rpr_solver.workspaces": "errors contract notebook exact triangles model",
     "rpr_solver.sensed": "errors contract notebook exact triangles model workspaces",

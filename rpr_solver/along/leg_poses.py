@@ -33,7 +33,7 @@ from rpr_solver.along.folds import Fold, folds
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.errors import InputError, SolverError, Unproved
 from rpr_solver.exact import decided
-from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
+from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction, rounded_near
 from rpr_solver.exact.precision import GREATEST_BITS
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, short_between
 from rpr_solver.exact.real_roots import ball_of, fraction_of
@@ -439,8 +439,8 @@ class _Root:
 
         if text := rounded(start):
             return text
-        # the length may be half way between two decimals
-        exact = short_between(*_ends(self.ball(start), start))
+        # the length may be half way between two decimals, so that it has one digit more
+        exact = rounded_near(fraction_of(self.ball(start).mid()), digits + 1)
         if self.fold.compared((exact * self.scale) ** 2) == 0:
             return round_fraction(exact, digits)
         return decided(rounded, start, GREATEST_BITS, "the digits of a length could not be decided")

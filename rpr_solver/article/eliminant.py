@@ -275,7 +275,7 @@ def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, .
         KnownFactor(form(one), 18, "circular points", "u² = −1 is no angle"),
         KnownFactor(form(f.closed(length)), 2, "L2 = 0", "leg 2 has length zero", 2),
         KnownFactor(form(g.closed(length)), 2, "L3 = 0", "leg 3 has length zero", 3),
-        KnownFactor(form(g.collinear()), 4, "legs 1 and 3 on line A1A3", f"k2 = k4 = 0: {column}"),
+        KnownFactor(form(g.collinear), 4, "legs 1 and 3 on line A1A3", f"k2 = k4 = 0: {column}"),
         KnownFactor(form(along, 4), 2, "legs 2 and 3 on line A2A3", f"k1 = k3 = 0: {column}"),
         KnownFactor(form(at_b1), 2, f"{meets} B1", f"k2 = k5 = 0: {row}"),
         KnownFactor(form(at_b3(length + d3)), 2, f"{meets} B3, |A1B3| = L1 + d3", f"k1 = k4 = 0: {column}"),

@@ -90,8 +90,9 @@ class Design(Pictured):
         asked: what was asked, as the contract has it.
         fixed_leg: the leg whose length varies over the range.
         outcome: the improvements, and how the search ended.
-        value: what the best geometry is proved to reach, narrow windows counted: the length of the longest
-            admitted part, the largest number of cusps, or the margin; or its change.
+        value: what the best geometry is proved to reach, apart from the windows that the requirement
+            ignores: the length of the longest admitted part, the largest number of cusps, or the margin; or
+            its change.
         met: whether a part of the range is admitted (longest range), a slice has the least number of cusps
             (most cusps), or else whether the requirement is proved; and the constraints, if there are any.
         start: the census of the given geometry over the range.
@@ -130,16 +131,6 @@ class Design(Pictured):
         """The best geometry found."""
         return self.outcome.candidates[-1].manipulator
 
-    @property
-    def windows_left(self) -> tuple[CheckedInterval, ...]:
-        """Intervals of the range with numbers that are not admitted, as narrow as the search ignores."""
-        narrow = Fraction(self.asked["ignore_windows"])
-        return tuple(
-            x
-            for x in self.report.violations
-            if x.stop is not None and Fraction(x.stop) - Fraction(x.start) <= narrow
-        )
-
     def figure(self) -> Figure:
         """A picture of what the search reached, over its censuses, and of the numbers of cusps by length of
         the given geometry and of the best one.
@@ -167,9 +158,6 @@ class Design(Pictured):
                 "census": self.census.to_json(),
                 "check": self.report.to_json(),
                 "margin": None if self.margin is None else self.margin.to_json(),
-                "windows_left": [
-                    {"from": x.start, "to": x.stop, "count": x.count} for x in self.windows_left
-                ],
                 **({} if self.kept is None else {"constraints": self.kept.to_json()}),
             },
             "trace": [trace_json(candidate) for candidate in self.outcome.candidates],
@@ -251,11 +239,9 @@ def design(
         options: ``vary``, how far lengths may change: ``"15%"``, or bounds by name, the others keeping their
             values; ``fixed``, names that keep their values; ``decimals`` of the lengths that vary, 4 unless
             given; ``min_height`` of both triangles, else a hundredth of their longest sides; ``family``, a
-            tie between the lengths such as ``"isosceles-1"``; ``ignore_windows``, a width up to which
-            intervals that violate the requirement are left aside in the search, though never in the proof;
-            ``loop``, ``"required"`` or ``"excluded"`` in the range and within the joint limits;
-            ``min_aspects`` and ``max_aspects`` of every slice of the range;
-            ``budget`` in censuses; ``seed`` of the random numbers.
+            tie between the lengths such as ``"isosceles-1"``; ``loop``, ``"required"`` or ``"excluded"`` in
+            the range and within the joint limits; ``min_aspects`` and ``max_aspects`` of every slice of the
+            range; ``budget`` in censuses; ``seed`` of the random numbers.
 
     Raises:
         InputError: naming the argument at fault.
@@ -338,14 +324,32 @@ def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | 
         inside = _inside(requirement, part, Fraction(1, 10))
         return exact_str(part[1] - part[0]), True, margin(best, requirement=inside, most_boxes=_BOXES)
     if goal.objective == MOST_CUSPS:
-        most = max(report.intervals, key=lambda x: (x.count, x.width))
-        known = margin(best, most.example, fixed_leg=leg, most_boxes=_BOXES)
-        return str(most.count), most.count >= (requirement.min_cusps or 0), known
+        most, widest = _most_cusps(best, requirement, report)
+        met = most >= (requirement.min_cusps or 0)
+        if widest is None:
+            return str(most), met, None
+        return str(most), met, margin(best, widest.example, fixed_leg=leg, most_boxes=_BOXES)
     if not report.passed:
         return None if goal.objective == LEAST_CHANGE else "0", False, None
     known = margin(best, requirement=requirement, most_boxes=_BOXES)
     is_margin = goal.objective == LARGEST_MARGIN
     return exact_str(known.proved or 0) if is_margin else None, True, known
+
+
+def _most_cusps(
+    best: Manipulator, requirement: Requirement, report: CheckReport
+) -> tuple[int, CheckedInterval | None]:
+    """The largest number of cusps that a window which is not ignored has in all of its slices, or more, and
+    the widest interval with as many; 0 and None if every window is ignored."""
+    numbers = sorted({x.count for x in report.intervals}, reverse=True)
+    if not requirement.ignore_windows:
+        return numbers[0], max(report.intervals, key=lambda x: (x.count, x.width))
+    for most in numbers[:-1] if not numbers[-1] else numbers:
+        fewer = {**requirement.to_json(), "max_cusps": most - 1, "min_cusps": None}
+        found = check_counts(best, Requirement.from_json(fewer, max_digits=1 << 20), digits=MIN_DIGITS)
+        if found.violations:
+            return most, max(found.violations, key=lambda x: x.width)
+    return 0, None
 
 
 def _inside(requirement: Requirement, part: tuple[Fraction, Fraction], share: Fraction) -> Requirement:
@@ -360,7 +364,7 @@ def _longest(report: CheckReport) -> tuple[Fraction, Fraction] | None:
     """The longest part of a range, which has two ends, in which the requirement is proved."""
     parts: list[tuple[Fraction, Fraction]] = []
     for x in report.intervals:
-        if report.requirement.admits(x.count) and x.stop is not None:
+        if (x.is_ignored or report.requirement.admits(x.count)) and x.stop is not None:
             start, stop = Fraction(x.start), Fraction(x.stop)
             if parts and parts[-1][1] == start:
                 parts[-1] = parts[-1][0], stop

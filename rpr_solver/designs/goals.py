@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import inf
 from typing import Any
 
@@ -141,10 +141,10 @@ def runs(profile: Profile, goal: Goal) -> list[Run]:
 
     They may lie outside the range.
     """
-    low, high = goal.ends
     found: list[Run] = []
-    for k, (start, stop, count) in enumerate(profile.intervals):
-        if goal.requirement.admits(count) or _is_ignored(start, stop, low, high, goal):
+    narrow = _ignored(profile, goal)
+    for k, (start, stop, _) in enumerate(profile.intervals):
+        if _admitted(profile, goal, k) or k in narrow:
             if found and found[-1][3] == k - 1:
                 found[-1] = (found[-1][0], stop, found[-1][2], k)
             else:
@@ -160,14 +160,11 @@ def best_run(profile: Profile, goal: Goal) -> Run | None:
 
 def windows(profile: Profile, goal: Goal) -> list[tuple[float, float, int]]:
     """The parts of the range with numbers that are not admitted, without those that are ignored."""
-    low, high = goal.ends
+    (low, high), narrow = goal.ends, _ignored(profile, goal)
     return [
         (max(start, low), min(stop, high), k)
         for k, (start, stop, _) in enumerate(profile.intervals)
-        if start < high
-        and stop > low
-        and not _admitted(profile, goal, k)
-        and not _is_ignored(start, stop, low, high, goal)
+        if start < high and stop > low and not _admitted(profile, goal, k) and k not in narrow
     ]
 
 
@@ -196,16 +193,15 @@ def is_met(profile: Profile, goal: Goal) -> bool:
 
 
 def most_cusps(profile: Profile, goal: Goal) -> int:
-    """The largest number of cusps in the range, in an interval that is not ignored."""
+    """The largest number of cusps in the range, or more, in a window that is not ignored."""
     low, high = goal.ends
-    return max(
-        (
-            count
-            for start, stop, count in profile.intervals
-            if start < high and stop > low and min(stop, high) - max(start, low) > goal.ignore_windows
-        ),
-        default=0,
-    )
+    inside = [(max(a, low), min(b, high), n) for a, b, n in profile.intervals if a < high and b > low]
+    for least in sorted({n for *_, n in inside}, reverse=True):
+        for is_as_many, same in groupby(inside, key=lambda one: one[2] >= least):
+            run = list(same)
+            if is_as_many and run[-1][1] - run[0][0] >= goal.requirement.ignore_windows:
+                return least
+    return 0
 
 
 def cost(profile: Profile, goal: Goal, radius: float) -> float:
@@ -276,8 +272,16 @@ def _admitted(profile: Profile, goal: Goal, k: int) -> bool:
     return goal.requirement.admits(profile.intervals[k][2])
 
 
-def _is_ignored(start: float, stop: float, low: float, high: float, goal: Goal) -> bool:
-    return 0 < min(stop, high) - max(start, low) <= goal.ignore_windows
+def _ignored(profile: Profile, goal: Goal) -> set[int]:
+    """The intervals of windows of the range that are ignored."""
+    (low, high), found = goal.ends, set[int]()
+    inside = [k for k, (a, b, _) in enumerate(profile.intervals) if a < high and b > low]
+    for is_admitted, same in groupby(inside, key=lambda k: _admitted(profile, goal, k)):
+        run = list(same)
+        width = min(profile.intervals[run[-1]][1], high) - max(profile.intervals[run[0]][0], low)
+        if not is_admitted and width < goal.requirement.ignore_windows:
+            found |= set(run)
+    return found
 
 
 def document_of(manipulator: Manipulator, goal: Goal) -> dict[str, Any]:
@@ -297,7 +301,7 @@ def document_of(manipulator: Manipulator, goal: Goal) -> dict[str, Any]:
         if asked.bound_aspects:
             return census(manipulator, fixed_leg=leg, digits=MIN_DIGITS).to_json()
         return bare_census(manipulator, leg, MIN_DIGITS).to_json()
-    document = check_counts(manipulator, wish, digits=MIN_DIGITS).to_json()
+    document = check_counts(manipulator, wish.ignoring(Fraction(0)), digits=MIN_DIGITS).to_json()
     if asked.bound_aspects:
         table = census(manipulator, fixed_leg=leg, start=wish.start, stop=wish.stop, digits=MIN_DIGITS)
         document["slices"] = table.to_json()["intervals"]

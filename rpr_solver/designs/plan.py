@@ -12,7 +12,7 @@ from rpr_solver.contract import LENGTHS, check_integer, check_type
 from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary
 from rpr_solver.errors import ControlFlow, InputError, shown
 from rpr_solver.exact.numerals import check_doubles, double
-from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_not_negative
+from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions import Requirement
 
@@ -54,7 +54,6 @@ class Options(TypedDict, total=False):
     decimals: int
     min_height: Exact | None
     family: str | None
-    ignore_windows: Exact
     loop: str | None
     min_aspects: int | None
     max_aspects: int | None
@@ -119,14 +118,13 @@ class Goal:
 
     Attributes:
         objective: one of OBJECTIVES.
-        requirement: which numbers of cusps are wanted, in which range, within which joint limits.
-        ignore_windows: intervals with other numbers that are no wider do not count in the search.
+        requirement: which numbers of cusps are wanted, in which range, within which joint limits, and which
+            windows are ignored.
         constraints: what else is wanted of the whole range.
     """
 
     objective: str
     requirement: Requirement
-    ignore_windows: Fraction = Fraction(0)
     constraints: Constraints = NO_CONSTRAINTS
 
     @property
@@ -165,12 +163,11 @@ class Plan:
             raise InputError.of(
                 "requirement.range", "is open; the longest range is sought between two lengths"
             )
-        narrow = parse_not_negative(options.get("ignore_windows", 0), "ignore_windows")
         bounds = zip(LENGTHS, manipulator.bounds(), strict=True)
         lengths = {f"geometry.{name}": high if high > 0 else low for name, (low, high) in bounds}
         ends = {"from": requirement.start, "to": requirement.stop or Fraction(0)}
         lengths |= {f"requirement.range.{end}": x for end, x in ends.items()}
-        check_doubles({**lengths, "ignore_windows": narrow}, "designs")
+        check_doubles({**lengths, "requirement.ignore_windows": requirement.ignore_windows}, "designs")
         vary, fixed = options.get("vary", DEFAULT_VARY), tuple(options.get("fixed", ()))
         decimals, family = options.get("decimals", DEFAULT_DECIMALS), options.get("family")
         budget = check_integer(
@@ -182,7 +179,7 @@ class Plan:
         )
         seed = check_integer(options.get("seed", DEFAULT_SEED), "seed", f"0 to {MOST_SEED}", 0, MOST_SEED)
         space = Space.of(manipulator, vary, fixed, decimals, options.get("min_height"), family)
-        goal = Goal(objective, requirement, narrow, Constraints.of(options))
+        goal = Goal(objective, requirement, Constraints.of(options))
         return cls(space, goal, family, budget, seed)
 
     def to_json(self) -> dict[str, Any]:
@@ -198,7 +195,6 @@ class Plan:
             "family": self.family,
             "decimals": self.space.decimals,
             "min_height": exact_or_none(self.space.min_height),
-            "ignore_windows": exact_str(self.goal.ignore_windows),
             **self.goal.constraints.to_json(),
             "budget": {"censuses": self.budget},
             "seed": self.seed,

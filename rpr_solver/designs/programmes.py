@@ -144,7 +144,7 @@ def _keep_ignored(programme: Programme, goal: Goal) -> None:
     for first, last in _stretches(programme.profile, goal, ignored=True):
         if first > 0 and last < len(cuts):
             lower, upper = cuts[first - 1], cuts[last]
-            most = 0.95 * double(goal.ignore_windows)
+            most = 0.95 * double(goal.requirement.ignore_windows)
             bound = max(most - (upper.length - lower.length), 0.0)
             programme.at_most(upper.slopes - lower.slopes, {}, bound)
 
@@ -166,7 +166,7 @@ def _shut(programme: Programme, goal: Goal, stretch: Stretch, slack: str) -> Non
     profile = programme.profile
     for lower, upper in product(_ends_in(profile, goal, stretch, 1), _ends_in(profile, goal, stretch, -1)):
         width = max(upper.length - lower.length, 0.0)
-        least = _SHUT * double(goal.ignore_windows) or -_BEYOND * width
+        least = _SHUT * double(goal.requirement.ignore_windows) or -_BEYOND * width
         bound = least - (upper.length - lower.length)
         programme.at_most(upper.slopes - lower.slopes, {slack: -max(width, 1e-9)}, bound)
 

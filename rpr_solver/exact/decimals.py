@@ -43,29 +43,27 @@ def round_ball(x: arb, digits: int) -> str | None:
     >>> round_ball(arb(2).sqrt(), 10), round_ball(arb(1, 0.6), 10)
     ('1.414213562', None)
     """
-    if x.contains(0) or not x.is_finite():
+    approximate, magnitude = float(x), abs(x)
+    if not 0 < abs(approximate) < inf and (x.contains(0) or not x.is_finite()):
         return "0" if x.is_zero() else None
-    magnitude = abs(x)
-    lead = _place(magnitude)
+    lead = _place(magnitude, abs(approximate))
     least, beyond = _power_of_ten(digits - 1), _power_of_ten(digits)
     # the estimate of the leading digit's place can be off by one
     for place in (lead, lead - 1, lead + 1):
         shift = digits - 1 - place
-        power = _power_of_ten(abs(shift))
-        scaled = magnitude * power if shift >= 0 else magnitude / power
+        scaled = magnitude * _power_of_ten(shift) if shift >= 0 else magnitude / _power_of_ten(-shift)
         rounded = (scaled + _HALF).floor().unique_fmpz()
         if rounded is None:
             return None
         if rounded == beyond:
             rounded, place = least, place + 1
-        if least <= rounded < beyond:
-            return place_digits(str(rounded), place, negative=bool(x < 0))
+        if least <= rounded < beyond:  # so that 0 is not in the ball
+            return place_digits(str(rounded), place, negative=approximate < 0 or bool(x < 0))
     raise Unproved("a number's leading digit could not be placed")
 
 
-def _place(x: arb) -> int:
+def _place(x: arb, approximate: float) -> int:
     """About the place of the leading digit of a positive number; it can be off by one."""
-    approximate = float(x)
     if 0 < approximate < inf:
         return floor(log10(approximate))
     mid, _, exponent = x.mid_rad_10exp(3)

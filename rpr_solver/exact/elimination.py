@@ -12,68 +12,48 @@ no form with algebraic coefficients vanishes at any of them, unless it is zero.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache, reduce
-from math import isqrt, prod
+from functools import lru_cache
+from math import prod
 from typing import TypeVar
 
 from flint import acb, arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.errors import ControlFlow, SolverError, Unproved
-from rpr_solver.exact.biform import BiForm, Rows
+from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.precision import decided
-from rpr_solver.exact.quadratic import Form, QuadraticPoly, omega_ball, primitive_rows
+from rpr_solver.exact.quadratic import Form, QuadraticPoly, omega_ball
 
 T = TypeVar("T", arb, acb)
 
 
 @dataclass(frozen=True)
 class Circle:
-    """The N points u = tan φ/√ρ, at the precision ``bits``, which should be the working precision.
-
-    With √ρ forms in half tangents are as well conditioned as for ρ = 1, and 1 + ρu² is cos² + sin² = 1.
-    """
+    """The N points u = tan φ, at the precision ``bits``, which should be the working precision."""
 
     count: int
     bits: int
-    rho: int = 1
 
     def monomials(self, degree: int) -> arb_mat:
-        """Row k has cosᴰ⁻ᵏ (sin/√ρ)ᵏ at every point, so that coefficients of uᵏ times this are values."""
+        """Row k has cosᴰ⁻ᵏ sinᵏ at every point, so that coefficients of uᵏ times this are values."""
         return _monomials(self, degree)
 
-    def weights(self, degree: int) -> list[arb]:
-        """The powers of √ρ up to a degree."""
-        return _powers(arb(self.rho).sqrt(), degree)
+    def coefficients(self, values: Sequence[arb], degree: int) -> list[arb] | None:
+        """The coefficients of u⁰ … uᴰ of the form of degree D < N with these values.
 
-    def coefficients(self, values: Sequence[Sequence[arb]], degree: int) -> list[list[arb]] | None:
-        """The coefficients of u⁰ … uᴰ of the forms of degree D < N with these values, a row for each form.
-
-        None if a row cannot be the values of such a form; for that, N must exceed D + 1.
+        None if they cannot be the values of such a form; for that, N must exceed D + 1.
         """
         before, after, turns = _transform(self, degree)
-        used: list[list[acb]] = []
-        for row in values:
-            exponents = acb.dft([x * y for x, y in zip(row, before, strict=True)])
-            if not all(x.contains(0) for x in exponents[degree + 1 :]):
-                return None
-            used.append([x * y for x, y in zip(exponents, after, strict=False)])
+        exponents = acb.dft([x * y for x, y in zip(values, before, strict=True)])
+        if not all(x.contains(0) for x in exponents[degree + 1 :]):
+            return None
+        used = [x * y for x, y in zip(exponents, after, strict=False)]
         # iᵏ times a sum over the exponents that is real for even k and imaginary for odd k
-        real, imaginary = (
-            (arb_mat(part) * turns).tolist()
-            for part in ([[x.real for x in row] for row in used], [[x.imag for x in row] for row in used])
-        )
-        parts, signs = (real, imaginary), (1, -1, -1, 1)
-        found = [[parts[k % 2][i][k] * signs[k % 4] for k in range(degree + 1)] for i in range(len(values))]
-        return found if self.rho == 1 else [self._weighted(row) for row in found]
-
-    def _weighted(self, coefficients: Sequence[arb]) -> list[arb]:
-        """The coefficients of uᵏ, from those of (√ρ u)ᵏ."""
-        weights = self.weights(len(coefficients) - 1)
-        return [x * weight for x, weight in zip(coefficients, weights, strict=True)]
+        parts = arb_mat([[x.real for x in used], [x.imag for x in used]]) * turns
+        return [parts[k % 2, k] * (1, -1, -1, 1)[k % 4] for k in range(degree + 1)]
 
 
 @lru_cache(maxsize=16)
@@ -87,11 +67,7 @@ def _points(circle: Circle) -> list[acb]:
 @lru_cache(maxsize=32)
 def _monomials(circle: Circle, degree: int) -> arb_mat:
     columns = [(_powers(x.real, degree), _powers(x.imag, degree)) for x in _points(circle)]
-    rows = [[c[degree - k] * s[k] for c, s in columns] for k in range(degree + 1)]
-    if circle.rho > 1:
-        weights = circle.weights(degree)
-        rows = [[x / weight for x in row] for row, weight in zip(rows, weights, strict=True)]
-    return arb_mat(rows)
+    return arb_mat([[c[degree - k] * s[k] for c, s in columns] for k in range(degree + 1)])
 
 
 @lru_cache(maxsize=16)
@@ -134,6 +110,11 @@ class _NoQuotient(ControlFlow):
     """The values are not those of a polynomial over ℤ[ω]."""
 
 
+def no_quotient() -> SolverError:
+    """The error that a known factor does not divide."""
+    return SolverError("an eliminant lacks its known factors; please report this geometry")
+
+
 def resultant_bound(first: BiForm, second: BiForm) -> int:
     """A bound on the 1-norm of Res_t, which is at most ‖first‖ⁿ ‖second‖ᵐ for the degrees m and n in t.
 
@@ -167,15 +148,14 @@ def resultant(
 
     def values(omega: arb, every: int = 1) -> list[arb]:
         circle = Circle(degree + 2, ctx.prec)
-        tables = (at_points(form.rows, form.degree_u, circle, omega) for form in (first, second))
-        [divisors] = zip(*at_points([divisor.polynomial], divisor.degree, circle, omega), strict=True)
+        tables = (_at_points(form.rows, form.degree_u, circle, omega) for form in (first, second))
+        [divisors] = zip(*_at_points([divisor.polynomial], divisor.degree, circle, omega), strict=True)
         places = list(zip(*tables, divisors, strict=True))[::every]
         scale = arb(multiple) / own
         return [ball_resultant(j, e) * scale / k for j, e, k in places]
 
     def coefficients(omega: arb) -> list[arb] | None:
-        rows = Circle(degree + 2, ctx.prec).coefficients([values(omega)], degree)
-        return None if rows is None else rows[0]
+        return Circle(degree + 2, ctx.prec).coefficients(values(omega), degree)
 
     bits = (resultant_bound(first, second) // own).bit_length() + degree
     if bits > _WORTH_A_TRIAL:
@@ -185,105 +165,19 @@ def resultant(
             mantissa, exponent = max(radii).man_exp()
             bits = min(bits, _TRIAL_BITS + degree + int(exponent) + int(mantissa).bit_length())
     a, b = recovered(radicand, coefficients, bits)
-    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), radicand), degree)
+    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), radicand).primitive(), degree)
 
 
 def _odd_part(number: int) -> int:
     return number // (number & -number)
 
 
-def at_points(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> list[list[arb]]:
+def _at_points(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> list[list[arb]]:
     """The values of forms of one degree in u, a row for each point of the circle."""
-    return _by_points(_values(rows, degree, circle, omega))
-
-
-def _by_points(values: arb_mat) -> list[list[arb]]:
-    return values.transpose().tolist()
-
-
-def _values(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> arb_mat:
     matrix = _matrix([row.a for row in rows], degree)
     if any(row.b for row in rows):
         matrix += _matrix([row.b for row in rows], degree) * omega
-    return matrix * circle.monomials(degree)
-
-
-@dataclass(frozen=True)
-class FormPair:
-    """Two forms in t and u by powers of a length, primitive, and a content that their resultant has.
-
-    Attributes:
-        first, second: for each power of the length the coefficients of t⁰, t¹, …; in u a form has the same
-            formal degree as in t.
-        rest: all coefficients of the resultant, or of a quotient, are integral over it.
-        rho: ρ, in whose root half tangents are measured.
-    """
-
-    first: Sequence[Rows]
-    second: Sequence[Rows]
-    rest: Fraction
-    rho: int = 1
-
-    @classmethod
-    def of(cls, first: Sequence[Rows], second: Sequence[Rows], content: Fraction, rho: int = 1) -> FormPair:
-        """Divides both by their contents, and ``content`` by the powers of these that the resultant holds."""
-        (own, over), (other, over_other) = (primitive_rows(part) for part in (first, second))
-        rest = content / (over ** (len(second[0]) - 1) * over_other ** (len(first[0]) - 1))
-        return cls(own, other, rest, rho)
-
-    def contents(self, degree: int) -> list[int]:
-        """Factors of the coefficients of u⁰, u¹, …, which also have ρ to half the exponent, upwards.
-
-        A product with a rational number is integral, so that its numerator is a factor.
-        """
-        return [(self.rest * self.rho ** ((k + 1) // 2)).numerator for k in range(degree + 1)]
-
-    @property
-    def measure(self) -> int:
-        """The resultant in t over that in √ρ t: a power of ρ."""
-        return int(self.rho ** ((len(self.first[0]) - 1) * (len(self.second[0]) - 1) // 2))
-
-    def bits(self, length: int = 1) -> int:
-        """Those of :func:`resultant_bound`, without the content, in terms of the length over this one.
-
-        Of forms in √ρ t and √ρ u, as the coefficients of the resultant over their contents are no greater.
-        """
-        first, second = (
-            sum(
-                _norm1(row, i, self.rho) * length**k
-                for k, rows in enumerate(part)
-                for i, row in enumerate(rows)
-            )
-            for part in (self.first, self.second)
-        )
-        bound = first ** (len(self.second[0]) - 1) * second ** (len(self.first[0]) - 1)
-        return int(bound * self.measure // self.rest.numerator).bit_length()
-
-    def at_points(
-        self, circle: Circle, omega: arb, lengths: Sequence[Fraction]
-    ) -> Iterator[tuple[list[list[arb]], list[list[arb]]]]:
-        """For each length the coefficients of (√ρ t)⁰, (√ρ t)¹, … of both forms at every point."""
-        parts = [
-            [self._measured(_values(rows, len(rows) - 1, circle, omega), circle) for rows in part]
-            for part in (self.first, self.second)
-        ]
-        for length in lengths:
-            x = arb(length.numerator) / length.denominator
-            first, second = (_by_points(reduce(lambda sum_, y: sum_ * x + y, part[::-1])) for part in parts)
-            yield first, second
-
-    def _measured(self, values: arb_mat, circle: Circle) -> arb_mat:
-        if self.rho == 1:
-            return values
-        weights = circle.weights(values.nrows() - 1)
-        return arb_mat([[x / w for x in row] for row, w in zip(values.tolist(), weights, strict=True)])
-
-
-def _norm1(row: QuadraticPoly, i: int, rho: int) -> int:
-    """A bound on the 1-norm of a coefficient of tⁱ, for forms in √ρ t and √ρ u."""
-    if rho == 1:
-        return row.norm1()
-    return sum(-(-term // isqrt(rho ** (i + k))) for k, term in enumerate(row.coefficient_norms()))
+    return (matrix * circle.monomials(degree)).transpose().tolist()
 
 
 def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> arb_mat:
@@ -293,13 +187,13 @@ def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> arb_mat:
 def recovered(
     radicand: int, coefficients: Callable[[arb], list[arb] | None], bits: int
 ) -> tuple[list[fmpz], list[fmpz]]:
-    """The coefficients of A and B, where those of A + ω B are enclosed for either sign of ω; primitive.
+    """The numbers of A and B, where those of A + ω B are enclosed for either sign of ω.
 
     ``coefficients`` takes ω as a ball and computes at the working precision, which begins with ``bits``; it
-    returns None where it sees that there is no such polynomial.
+    returns None where it sees that there are no such numbers.
 
     Raises:
-        SolverError: there is no such polynomial over ℤ[ω].
+        SolverError: they are not in ℤ[ω].
     """
 
     def attempt(work: int) -> tuple[list[fmpz], list[fmpz]] | None:
@@ -317,12 +211,9 @@ def recovered(
 
     start = -(-(bits + _SPARE_BITS) // _LIMB) * _LIMB
     try:
-        a, b = decided(attempt, start, _MOST_TIMES * start, "a resultant could not be evaluated")
+        return decided(attempt, start, _MOST_TIMES * start, "a resultant could not be evaluated")
     except (_NoQuotient, Unproved):
-        raise SolverError("an eliminant lacks its known factors; please report this geometry") from None
-    if content := fmpz_poly([*a, *b]).content():
-        a, b = ([x // content for x in part] for part in (a, b))
-    return a, b
+        raise no_quotient() from None
 
 
 def _enclosures(coefficients: list[arb] | None) -> list[arb]:

@@ -152,21 +152,6 @@ def _primitive_parts(a: P, b: P) -> tuple[P, P]:
     return (a, b) if content in (0, 1) else (a / content, b / content)
 
 
-def primitive_rows(
-    table: Sequence[tuple[QuadraticPoly, ...]],
-) -> tuple[Sequence[tuple[QuadraticPoly, ...]], int]:
-    """Rows of polynomials without the content that all of them have in common, and this content.
-
-    That of zeros alone counts as 1.
-    """
-    parts = [_content(part) for rows in table for row in rows for part in (row.a, row.b)]
-    content = fmpz_poly(parts).content()
-    if content in (0, 1):
-        return table, 1
-    divided = [tuple(replace(row, a=row.a / content, b=row.b / content) for row in rows) for rows in table]
-    return divided, int(content)
-
-
 def _content(p: fmpz_poly | fmpz_mpoly) -> fmpz:
     return p.content()  # type: ignore[union-attr]  # missing in the stubs of fmpz_mpoly
 
@@ -328,15 +313,15 @@ def changes_at(chain: SturmChain, point: arb | None) -> int | None:
     """The sign changes of Sturm's sequence at a point, of which None is ∞; None if they stay open."""
     polynomials, quotients = chain
     if point is None:
-        return _changes([p[p.degree()] for p in polynomials])
+        return changes_between([p[p.degree()] for p in polynomials])
     values = [polynomials[-1][0], polynomials[-2](point)]
     for quotient in quotients:  # from the last two up: faster, and nearly always as good as one by one
         values.append(quotient(point) * values[-1] - values[-2])
-    changes = _changes(values)
-    return _changes([p(point) for p in polynomials]) if changes is None else changes
+    changes = changes_between(values)
+    return changes_between([p(point) for p in polynomials]) if changes is None else changes
 
 
-def _changes(values: Sequence[arb]) -> int | None:
+def changes_between(values: Sequence[arb]) -> int | None:
     """Changes of sign between neighbours; None if a sign is not certain."""
     if any(value.contains(0) for value in values):
         return None

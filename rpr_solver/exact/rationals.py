@@ -137,8 +137,9 @@ def rational_sqrt(x: Fraction) -> Fraction | None:
     >>> rational_sqrt(Fraction(4, 9)), rational_sqrt(Fraction(2))
     (Fraction(2, 3), None)
     """
-    root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
-    return root if root * root == x else None
+    above, below = isqrt(x.numerator), isqrt(x.denominator)
+    is_square = above * above == x.numerator and below * below == x.denominator
+    return Fraction(above, below) if is_square else None
 
 
 def short_between(low: Fraction, high: Fraction) -> Fraction:

@@ -15,7 +15,7 @@ from flint import acb_poly, arb, arb_poly, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.precision import GREATEST_BITS, decided, precisions
-from rpr_solver.exact.quadratic import QuadraticPoly, changes_at, sturm_chain
+from rpr_solver.exact.quadratic import QuadraticPoly, changes_at, changes_between, sturm_chain
 
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
@@ -131,9 +131,26 @@ def number_of_real_roots(polynomial: QuadraticPoly) -> int:
     if polynomial.degree < 1:
         return 0
     for bits in _STURM_BITS:
-        if (found := roots_below(polynomial.ball(bits), [None], bits)) is not None:
-            return found[0]
+        if (found := count_of_real_roots(polynomial.ball(bits), bits)) is not None:
+            return found
     return len(real_roots(polynomial))
+
+
+def count_of_real_roots(polynomial: arb_poly, bits: int) -> int | None:
+    """How many real roots a polynomial has, by Sturm's theorem at this precision; None if that stays open.
+
+    It stays open if the polynomial may not be squarefree, or a degree falls by several.
+    """
+    degree = polynomial.degree()
+    with ctx.workprec(bits):
+        first, second, leads = polynomial, polynomial.derivative(), [polynomial[degree]]
+        for k in range(degree - 1, -1, -1):
+            leads.append(second[k])
+            if second[k].contains(0):
+                return None
+            first, second = second, -(first % second)
+        changes = changes_between(leads)
+    return None if changes is None else degree - 2 * changes
 
 
 def separated_roots(polynomial: QuadraticPoly) -> list[RealRoot]:

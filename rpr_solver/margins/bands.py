@@ -6,11 +6,11 @@ the transitions counts.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import inf, log10, nextafter
 from typing import Any, NamedTuple
 
@@ -143,6 +143,31 @@ class _Group:
         return single and all(a.is_below(b) for a, b in pairwise(self.transitions))
 
 
+_End = Fraction | tuple[Transition, ...] | None
+"""An end of a stretch of lengths: exact, or one of several transitions; None is an open end."""
+
+
+def _spans(end: _End) -> list[Span]:
+    """Where an end is, ascending."""
+    if isinstance(end, tuple):
+        return sorted((one.span for one in end), key=lambda span: span.start)
+    return [Span(end or Fraction(0), end)]
+
+
+def _greatest(stops: Iterable[Fraction | None]) -> Fraction | None:
+    """The last of some upper ends; None if one is open."""
+    found = list(stops)
+    return None if None in found else max(x for x in found if x is not None)
+
+
+class _Stretch(NamedTuple):
+    """Lengths, and whether the numbers of cusps there are admitted, for every geometry."""
+
+    start: _End
+    stop: _End
+    is_admitted: bool
+
+
 @dataclass(frozen=True)
 class Bands:
     """What is known of the lengths of a range.
@@ -190,6 +215,48 @@ class Bands:
         if at is not None and (self.span.stop is None or at < self.span.stop):
             count = self._count(at, self.span.stop)
             yield Piece(Span(at, self.span.stop), count, count)
+
+    def windows(self, admits: Callable[[int], bool]) -> Iterator[Fraction | None]:
+        """For each window that some geometry may have an upper bound of its width in the range, for all of
+        them; None if there is none. All transitions that meet the range are to be located, none left.
+
+        A window is a longest stretch of lengths with numbers that are not admitted. Its ends are those of the
+        range, or transitions, of which it is known how they move together. Where their order is not known, a
+        window is between the least and the greatest of their lengths.
+        """
+        for is_admitted, same in groupby(self._stretches(admits), key=lambda one: one.is_admitted):
+            if not is_admitted:
+                run = list(same)
+                width = self._width(run[0].start, run[-1].stop)
+                if width is None or width > 0:
+                    yield width
+
+    def _stretches(self, admits: Callable[[int], bool]) -> Iterator[_Stretch]:
+        """The range, and a little more, in stretches that follow one another."""
+        at: _End = self.span.start
+        count = self._count(self.span.start, self.span.stop) if not self.groups else 0
+        for group in self.groups:
+            places = [self.transitions.index(one) for one in group.transitions]
+            if group.is_ordered and all(one.is_whole for one in group.transitions):
+                for place in places:
+                    yield _Stretch(at, (self.transitions[place],), admits(self.counts[place]))
+                    at = (self.transitions[place],)
+            else:
+                yield _Stretch(at, group.transitions, admits(self.counts[places[0]]))
+                is_admitted = all(number is not None and admits(number) for number in self._bounds(group))
+                yield _Stretch(group.transitions, group.transitions, is_admitted)
+                at = group.transitions
+            count = self.counts[places[-1] + 1]
+        yield _Stretch(at, self.span.stop, admits(count))
+
+    def _width(self, start: _End, stop: _End) -> Fraction | None:
+        """An upper bound of the distance of two ends within the range, for all geometries."""
+        whole = self._clipped(Span(_spans(start)[0].start, _greatest(x.stop for x in _spans(stop))))
+        widths = [] if whole.stop is None else [whole.stop - whole.start]
+        if isinstance(start, tuple) and isinstance(stop, tuple) and all(x.is_whole for x in (*start, *stop)):
+            below, above = ([pose for one in end for pose in one.poses] for end in (start, stop))
+            widths.append(max(a.farthest(b) for a in below for b in above))
+        return min(widths, default=None)
 
     def open(self) -> Iterator[OpenRange]:
         """What is not proved."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,6 +45,7 @@ _STATIONARY = 0.25
 """A leg is not used where its squared gradient is less than this share of the other's."""
 _TINY = 1e-300
 _SWALLOWTAIL, _FOLD, _LIMIT = "swallowtail", "fold", "limit"
+_FEW_SHARES = np.linspace(0, 1, 17)
 _SHARES = np.linspace(0, 1, 257)
 """How the weight is shared between two transitions: multipliers of a linear programme."""
 
@@ -155,6 +156,75 @@ def _passing(
         return None
     best = int(np.argmax(way / reach))
     return Estimate(float((way / reach)[best]), _direction(pulls[best], weights), tuple(chosen))
+
+
+def widening(
+    table: Census,
+    ends: tuple[float, float],
+    admits: Callable[[int], bool],
+    least: float,
+    weights: Sequence[float | Fraction],
+) -> Estimate | None:
+    """The least change, to first order, that makes a window of a range as wide as ``least``.
+
+    Windows that are not yet born, and those that merge, are not seen.
+
+    Args:
+        table: the census of all lengths.
+        ends: the range.
+        admits: whether a number of cusps is allowed; a window is a stretch of others.
+        least: the width.
+        weights: w.
+    """
+    known = {mover.length: mover for mover in movers(table)}
+    lengths = [double(fraction(transition.length)) for transition in table.transitions]
+    places = range(len(table.counts))
+    found = []
+    for is_admitted, run in groupby(places, key=lambda k: admits(table.counts[k])):
+        if not is_admitted:
+            inside = list(run)
+            around = lengths[max(inside[0] - 1, 0) : inside[0]], lengths[inside[-1] : inside[-1] + 1]
+            below, above = ([known[x] for x in side if x in known] for side in around)
+            if len(below) + len(above) == len(around[0]) + len(around[1]):
+                found.append(_widening(below, above, ends, least, weights))
+    return min((one for one in found if one), key=lambda one: one.radius, default=None)
+
+
+def _widening(
+    below: Sequence[Mover],
+    above: Sequence[Mover],
+    ends: tuple[float, float],
+    least: float,
+    weights: Sequence[float | Fraction],
+) -> Estimate | None:
+    """The same for the window between two transitions; without one it has no end there.
+
+    The window, cut to the range, is as wide if rows · δ ≥ missing, for each row.
+    """
+    start, stop = ends
+    rows: list[Doubles] = []
+    missing: list[float] = []
+    if below and above:
+        rows.append(np.array(above[0].slopes) - np.array(below[0].slopes))
+        missing.append(least - (above[0].length - below[0].length))
+    rows += [np.array(mover.slopes) for mover in above] + [-np.array(mover.slopes) for mover in below]
+    missing += [start + least - mover.length for mover in above]
+    missing += [mover.length - (stop - least) for mover in below]
+    kept = [k for k, far in enumerate(missing) if far > -np.inf]
+    if not kept:
+        return None
+    rows, missing = [rows[k] for k in kept], [missing[k] for k in kept]
+    # multipliers of the rows, as in the dual of :func:`_passing`
+    grid = np.stack(np.meshgrid(*[_FEW_SHARES] * len(rows)), axis=-1).reshape(-1, len(rows))
+    shares = grid[grid.any(axis=1)]
+    pulls, far = shares @ np.array(rows), shares @ np.array(missing)
+    reach = abs(pulls) @ np.array(weights, dtype=float)
+    if not (reach > 0).all():
+        return None
+    best = int(np.argmax(far / reach))
+    if not far[best] > 0:
+        return None
+    return Estimate(float(far[best] / reach[best]), _direction(pulls[best], weights), (*below, *above))
 
 
 def closing(lower: Mover, upper: Mover, weights: Sequence[float | Fraction]) -> Estimate | None:

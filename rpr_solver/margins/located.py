@@ -90,6 +90,11 @@ class Located:
         change = sum(abs(a - b) for a, b in zip(self.rates, other.rates, strict=True))
         return self.at + self.rest + change < other.at - other.rest
 
+    def farthest(self, other: Located) -> Fraction:
+        """An upper bound of how far the other's length is above its own, for every geometry."""
+        change = sum((abs(a - b) for a, b in zip(self.rates, other.rates, strict=True)), Fraction(0))
+        return other.at - self.at + change + self.rest + other.rest
+
 
 def locate(problem: Problem, starts: Sequence[Start]) -> list[tuple[Located | None, float]]:
     """Where all geometries of a box have the degenerate poses that the middle geometry has.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain
@@ -288,6 +288,8 @@ class _Search:
         if reason := self.subject.obstacle():
             return self._answer(example=example, reason=reason)
         proved, failed, tries = Fraction(0), self._possible(self._top(example)), iter(_PARTS)
+        if (stricter := self.subject.stricter()) is not None:
+            proved = replace(self, subject=stricter).radius()["proved"] or proved
         while self.budget.left > _LEAST_BOXES and failed > max(proved * _ENOUGH, self._finest):
             radius = rounded_down(
                 (proved + failed) / 2 if proved else failed * next(tries, Fraction(1, 2)), _DIGITS
@@ -348,7 +350,12 @@ class _Search:
         return "the least change makes it no manipulator" if self._validity == 0 else None
 
     def _prove(self, radius: Fraction, most_boxes: int) -> bool:
-        tasks = self.subject.problems(radius, self.weights)
+        # the stricter property first, so that no proof is lost when a property is loosened
+        subjects = (self.subject.stricter(), self.subject)
+        return any(self._proved(one, radius, most_boxes) for one in subjects if one is not None)
+
+    def _proved(self, subject: Subject, radius: Fraction, most_boxes: int) -> bool:
+        tasks = subject.problems(radius, self.weights)
         return tasks is not None and all(
             self.budget.exclude(*task, most_boxes // len(tasks)) for task in tasks
         )

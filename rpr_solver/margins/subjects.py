@@ -15,7 +15,16 @@ from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import rounded_near, rounded_up
 from rpr_solver.exact.numerals import double, fraction
 from rpr_solver.margins.bands import Bands, Span, transitions_of, zones_of
-from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest, within
+from rpr_solver.margins.estimates import (
+    Estimate,
+    Mover,
+    breaking,
+    closing,
+    movers,
+    nearest,
+    widening,
+    within,
+)
 from rpr_solver.margins.options import degenerate_throughout
 from rpr_solver.margins.problems import GeometryBox, Problem
 from rpr_solver.margins.zones import Zones
@@ -90,6 +99,10 @@ class Subject(Protocol):
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Task] | None:
         """Boxes whose exclusion proves the property for all geometries within a radius; None if none do."""
 
+    def stricter(self) -> Subject | None:
+        """A property that implies this one, and may be proved more easily; None if none is known."""
+        return None
+
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length at which the property does not hold for a manipulator, exactly, and the count there."""
 
@@ -141,7 +154,11 @@ class SliceCount(Subject):
 
 @dataclass(frozen=True)
 class RequirementHolds(Subject):
-    """A requirement on the numbers of cusps in a range."""
+    """A requirement on the numbers of cusps in a range.
+
+    Windows that are ignored may have other numbers. A geometry's windows lie where not all geometries have
+    admitted numbers; if each stretch of such lengths is narrower than what is ignored, so are they.
+    """
 
     manipulator: Manipulator
     requirement: Requirement
@@ -161,8 +178,23 @@ class RequirementHolds(Subject):
         counts = {interval.count for interval in self._report.intervals}
         return counts.pop() if len(counts) == 1 else None
 
+    def stricter(self) -> Subject | None:
+        """The same with no window ignored, if the range has one number of cusps."""
+        asked = self.requirement
+        if not asked.ignore_windows or self.count() is None:
+            return None
+        return replace(self, requirement=asked.ignoring(Fraction(0)))
+
     def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
-        """The nearest transition that brings a number which is not admitted into the range."""
+        """The nearest transition that brings a number which is not admitted into the range, or those that
+        make a window too wide to be ignored."""
+        asked = self.requirement
+        if asked.ignore_windows:
+            table = _all_lengths(self.manipulator, asked.fixed_leg)
+            ends = double(asked.start), inf if asked.stop is None else double(asked.stop)
+            least = double(asked.ignore_windows)
+            # which cusps are within limits is known of the range alone
+            return None if asked.limits else widening(table, ends, asked.admits, least, weights)
         intervals = [
             (double(fraction(x.start)), inf if x.stop is None else double(fraction(x.stop)), x.count)
             for x in self._report.intervals
@@ -171,8 +203,8 @@ class RequirementHolds(Subject):
         return breaking(intervals, found, self.requirement.admits, weights)
 
     def nearest(self, weights: Sequence[Fraction]) -> list[Estimate]:
-        """Those of some slices of the range, if all of it has one number of cusps."""
-        if self.count() is None:
+        """Those of some slices of the range, if all of it has one number of cusps, and must have."""
+        if self.count() is None or self.requirement.ignore_windows:
             return []
         asked, free = self.requirement, free_legs(self.requirement.fixed_leg)
         start, stop = asked.start, asked.stop
@@ -183,10 +215,10 @@ class RequirementHolds(Subject):
 
     @cached_property
     def _inside(self) -> _Inside | None:
-        """The transitions in and near the range; None if the number of cusps is the same in all of it."""
-        if self.count() is not None:
-            return None
+        """The transitions in and near the range; None if it is to have one number of cusps."""
         asked = self.requirement
+        if self.count() is not None and not asked.ignore_windows:
+            return None
         whole = _all_lengths(self.manipulator, asked.fixed_leg).to_json()
         if not asked.limits:
             return _Inside(whole["transitions"], [interval["count"] for interval in whole["intervals"]])
@@ -211,9 +243,11 @@ class RequirementHolds(Subject):
         transitions = transitions_of(self._inside.transitions, box, span)
         if any(one.span.meets(span) and not one.is_whole for one in transitions):
             return None
-        for piece in Bands(span, transitions, (), self._inside.counts).pieces():
-            if not all(number is not None and asked.admits(number) for number in (piece.least, piece.most)):
-                return None
+        bands = Bands(span, transitions, (), self._inside.counts)
+        if not all(
+            width is not None and width < asked.ignore_windows for width in bands.windows(asked.admits)
+        ):
+            return None
         return [(problem, zones_of(problem, box, transitions)) for problem in boxes]
 
     def broken(self, manipulator: Manipulator) -> Found | None:

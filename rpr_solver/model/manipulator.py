@@ -28,6 +28,7 @@ from rpr_solver.triangles import (
     Surd,
     hash_of_canonical,
     identity_json,
+    near_json,
     note_problems,
     read_geometry,
 )
@@ -230,7 +231,7 @@ class Manipulator(Pictured):
         >>> EXAMPLES["innocenti"].remark
         ''
         """
-        return near_words(self.identity_json())
+        return near_words({"near": near_json(self.to_json())})
 
     @property
     def lengths(self) -> tuple[Length, ...]:

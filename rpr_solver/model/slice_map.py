@@ -35,6 +35,7 @@ from rpr_solver.exact.quadratic import QuadraticNumber, QuadraticPoly, omega_bal
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.legs import Waves
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.packed import PackedForm, PackedSlice, packed_forms
 from rpr_solver.triangles import Corner
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
@@ -161,6 +162,7 @@ class Leg:
         """The coordinates of the base point times an element of any ring."""
         return self.base[0].times(one, omega), self.base[1].times(one, omega)
 
+    @cached_property
     def collinear(self) -> QuadraticPoly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
         x, y = self.base
@@ -306,12 +308,18 @@ class SliceMap:
     @cached_property
     def tables(self) -> tuple[Table, Table]:
         """The coefficients of both, without the polynomials in several variables."""
-        (f_alpha, f_theta), (g_alpha, g_theta) = (_packed_slopes(leg) for leg in (self.f, self.g))
-        j = f_alpha * g_theta - f_theta * g_alpha
-        along_alpha, along_theta = _packed_derivatives(j, self.rho)
-        length = QuadraticPoly.rational(_PACKED_L)
-        twice = f_alpha * along_theta - f_theta * length * along_alpha
-        return _unpacked(j, 4), _unpacked(twice / fmpz_poly([2]), 6)
+        first, second = self._packed
+        return first.table(4), second.table(6)
+
+    def sliced(self, length: Fraction) -> tuple[PackedSlice, PackedSlice]:
+        """J and E at one L, primitive."""
+        first, second = self._packed
+        return first.sliced(length, 4), second.sliced(length, 6)
+
+    @cached_property
+    def _packed(self) -> tuple[PackedForm, PackedForm]:
+        f, g = ((leg.platform, leg.base) for leg in (self.f, self.g))
+        return packed_forms(f, g, self.rho)
 
     def scale_ball(self) -> arb:
         """``scale`` as a ball at the working precision."""
@@ -325,66 +333,6 @@ class SliceMap:
         g_alpha, g_theta = slopes(self.g)
         j = f_alpha * g_theta - f_theta * g_alpha
         return j, f_alpha * d_theta(j, self.rho) - length * f_theta * d_alpha(j, self.rho)
-
-
-_PLACE_U, _PLACE_L = 7, 49
-"""The powers of x that stand for u and L, as x does for t, in *packed* forms of degrees up to 6."""
-_X = fmpz_poly([0, 1])
-_PACKED_L = _X**_PLACE_L
-
-
-@lru_cache(maxsize=256)
-def _packed_turns(rho: int) -> tuple[tuple[fmpz_poly, ...], tuple[fmpz_poly, ...]]:
-    """1 − ρt², 2t and 1 + ρt², and those of u."""
-    alpha = fmpz_poly([1, 0, -rho]), fmpz_poly([0, 2]), fmpz_poly([1, 0, rho])
-    return alpha, tuple(p(_X**_PLACE_U) for p in alpha)
-
-
-def _packed_slopes(leg: Leg) -> tuple[QuadraticPoly, QuadraticPoly]:
-    """:func:`slopes` times (1 + ρt²)(1 + ρu²)."""
-    (cos, sin, one), (cos_theta, sin_theta, one_theta) = (
-        [QuadraticPoly.rational(p, leg.radicand) for p in turn] for turn in _packed_turns(leg.rho)
-    )
-    length, omega = QuadraticPoly.rational(_PACKED_L, leg.radicand), QuadraticPoly.omega(leg.radicand)
-    x, y = leg.rotated(cos, sin, omega)
-    ax, ay = leg.base_times(one_theta, omega)
-    alpha = (sin_theta * length - ay) * x + (ax - cos_theta * length) * y
-    ax, ay = leg.base_times(one, omega)
-    theta = cos_theta * (y - ay) - sin_theta * (x - ax)
-    return alpha, theta
-
-
-def _packed_derivatives(j: QuadraticPoly, rho: int) -> tuple[QuadraticPoly, QuadraticPoly]:
-    """2 √ρ ∂/∂α and 2 √ρ ∂/∂θ of a packed form of degrees 4."""
-    results = []
-    (*_, one_alpha), (*_, one_theta) = _packed_turns(rho)
-    for place, size, one in ((1, _PLACE_U, one_alpha), (_PLACE_U, _PLACE_L, one_theta)):
-        x = _X**place
-        parts = []
-        for p in (j.a, j.b):
-            # coefficients times their exponents: x times the derivative
-            slope = fmpz_poly([c * (n % size // place) for n, c in enumerate(p.coeffs())])
-            parts.append(one * slope / x - 4 * rho * x * p)
-        results.append(QuadraticPoly(parts[0], parts[1], j.radicand))
-    return results[0], results[1]
-
-
-def _unpacked(p: QuadraticPoly, degree: int) -> Table:
-    """The coefficients of a packed form of one degree in t and u."""
-    size = max(p.degree // _PLACE_L, 0) + 1
-    a, b = (part.coeffs() for part in (p.a, p.b))
-    starts = [[power * _PLACE_L + i for power in range(size)] for i in range(degree + 1)]
-    return tuple(
-        tuple(
-            QuadraticPoly(
-                fmpz_poly(a[n : n + _PLACE_L : _PLACE_U]),
-                fmpz_poly(b[n : n + _PLACE_L : _PLACE_U]),
-                p.radicand,
-            )
-            for n in row
-        )
-        for row in starts
-    )
 
 
 def _axis(direction: Corner) -> Axis:

@@ -27,22 +27,32 @@ from functools import cached_property
 from itertools import combinations
 from typing import Any, TypedDict, Unpack
 
-from rpr_solver.contract import document_head
+from rpr_solver.contract import LENGTHS, document_head
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
+from rpr_solver.margins.options import changes, check_margins
 from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.joined_regions import AllowedParts, AspectName, Lengths, Matrix, Span, aspects_of
+from rpr_solver.modes.tolerant import Neighbours
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.paths import DecimalPose
-from rpr_solver.paths.between_poses import Obstacle, checked_range, narrowed, route_without_limits
+from rpr_solver.paths.between_poses import (
+    NoPath,
+    Obstacle,
+    checked_range,
+    narrowed,
+    pose_path,
+    route_without_limits,
+)
 from rpr_solver.paths.boxes import Resolution
+from rpr_solver.paths.path import Path
 from rpr_solver.paths.path_poses import PathPose, legs_text, of_table
-from rpr_solver.paths.proofs import NO_BOUNDS, PathLimits, outside
-from rpr_solver.paths.question import End, Ends, PathTerms, document_lengths, span_json
+from rpr_solver.paths.proofs import BEST, NO_BOUNDS, PathLimits, outside
+from rpr_solver.paths.question import End, Ends, PathOptions, PathTerms, document_lengths, span_json
 from rpr_solver.paths.search import Outcome
 from rpr_solver.paths.within_limits import LimitedSearch, Searches
 from rpr_solver.singular.aspects import UnionFind
@@ -76,6 +86,10 @@ class PoseConnections(Pictured):
         near: for pairs of poses (their places, from 1) that limits leave undecided, a pose near which it is;
             not for each pair that follows from others.
         allowed: the parts of the allowed region, if they were asked for.
+        clearance: how far, in degrees, the paths keep from singular poses.
+        tolerance: how much each of the six lengths may be off; None if they are exact.
+        clear: with one of both, for pairs of poses (their places, from 1) for which a path was found, its
+            clearance in degrees.
 
     >>> from rpr_solver import EXAMPLES, pose_connections
     >>> pose_connections(EXAMPLES["innocenti"], 27, 20, 20)
@@ -94,6 +108,9 @@ class PoseConnections(Pictured):
     resolution: Resolution | None = None
     near: Mapping[tuple[int, int], DecimalPose] = field(default_factory=dict)
     allowed: AllowedParts | None = None
+    clearance: Fraction = Fraction(0)
+    tolerance: tuple[Fraction, ...] | None = None
+    clear: Mapping[tuple[int, int], Fraction] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         vectors = " and ".join(legs_text([exact_str(x) for x in lengths]) for lengths in self.lengths)
@@ -138,7 +155,15 @@ class PoseConnections(Pictured):
             "resolution": self.resolution and self.resolution.to_json(),
             **({"undecided": undecided} if undecided else {}),
             **({} if self.allowed is None else {"allowed": self.allowed.to_json(leg)}),
+            **self._thresholds(),
         }
+
+    def _thresholds(self) -> dict[str, Any]:
+        """What is asked of clearance and tolerance, and the clearances of paths that were found, if so."""
+        if not self.clearance and self.tolerance is None:
+            return {}
+        paths = [{"poses": list(pair), "clearance": exact_str(x)} for pair, x in self.clear.items()]
+        return {**thresholds_json(self.clearance, self.tolerance), "paths": paths}
 
 
 def pose_connections(
@@ -150,6 +175,8 @@ def pose_connections(
     to: Sequence[Exact] | None = None,
     between: tuple[Exact, Exact] | None = None,
     parts: bool = False,
+    clearance: Exact | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     **options: Unpack[ConnectionOptions],
 ) -> PoseConnections:
     """Which poses of a joint vector, or of two, are joined by paths without a singularity.
@@ -168,6 +195,10 @@ def pose_connections(
             lengths at both joint vectors.
         parts: whether the parts of the allowed region are counted, too: of all poses with J ≠ 0 in the slice
             or in the range that keep the limits (:class:`~rpr_solver.modes.AllowedParts`).
+        clearance: how far, in degrees, > 0, a path must keep from singular poses; poses are joined if one is
+            found that does, by way of other poses too, and not joined if it is proved that none does.
+        tolerance: how much all lengths may be off, or single ones by their names, the others being exact: for
+            every manipulator within it the paths must join the poses of the joint vectors.
         options: ``limits``, ``fixed_leg`` and ``digits``, as for paths.
 
     Raises:
@@ -198,8 +229,17 @@ def pose_connections(
     head = manipulator, leg, digits, tuple(vectors)
     allowed = pairs.parts(fixed[0]) if parts else None
     matrix = allowed.decided(matrix) if allowed else matrix
+    asked = Fraction(0) if clearance is None else parse_positive(clearance, "clearance")
+    within = None if tolerance is None else changes(None, tolerance)
+    if within is not None:
+        check_margins(manipulator)
+    clear: Mapping[tuple[int, int], Fraction] = {}
+    if asked or within is not None:
+        thresholds = _Thresholds(reader.slice_map, manipulator, bounds, span, places, asked, within)
+        matrix, clear = thresholds.matrix(matrix)
     near = {(i + 1, k + 1): x for (i, k), x in pairs.near.items() if matrix[i][k] is Obstacle.UNDECIDED}
-    return PoseConnections(*head, span, bounds, named, signs, matrix, resolution, near, allowed)
+    found = PoseConnections(*head, span, bounds, named, signs, matrix, resolution, near, allowed)
+    return replace(found, clearance=asked, tolerance=within, clear=clear)
 
 
 def _vector(to: Sequence[Exact]) -> Lengths:
@@ -240,6 +280,101 @@ def _places(reader: Ends, lengths: Lengths, with_lengths: bool) -> Iterator[_Pla
             yield _Place(named, lengths, None, None)
         else:
             yield _Place(named, lengths, end.sign or None, end if end.sign else None)
+
+
+def thresholds_json(clearance: Fraction, tolerance: tuple[Fraction, ...] | None) -> dict[str, Any]:
+    """A clearance and a tolerance as documents have them, without what is not asked for."""
+    found: dict[str, Any] = {"clearance": exact_str(clearance)} if clearance else {}
+    if tolerance is not None:
+        found["tolerance"] = {name: exact_str(x) for name, x in zip(LENGTHS, tolerance, strict=True)}
+    return found
+
+
+@dataclass(frozen=True)
+class _Thresholds:
+    """Pairs of poses that are joined, and by which paths they are so with a clearance, for all manipulators.
+
+    Attributes:
+        slice_map: of the manipulator and its fixed leg.
+        manipulator: the given one.
+        bounds: the joint limits.
+        span: the lengths between which the fixed leg may move; None if it is held.
+        places: the poses.
+        clearance: in degrees; 0 for any.
+        tolerance: of each length; None if they are exact.
+    """
+
+    slice_map: SliceMap
+    manipulator: Manipulator
+    bounds: Mapping[int, Bounds]
+    span: Span | None
+    places: Sequence[_Place]
+    clearance: Fraction
+    tolerance: tuple[Fraction, ...] | None
+
+    def matrix(self, known: Matrix) -> tuple[Matrix, dict[tuple[int, int], Fraction]]:
+        """The matrix with these thresholds, from that without, and the clearances of the paths.
+
+        Being joined is transitive: paths follow one another.
+        """
+        classes = UnionFind(range(len(known)))
+        words: dict[tuple[int, int], Obstacle] = {}
+        clear: dict[tuple[int, int], Fraction] = {}
+        for i, k in combinations(range(len(known)), 2):
+            if known[i][k] is None:
+                found = self._path(i, k)
+                if isinstance(found, Path) and found.clearance is not None:
+                    clear[i + 1, k + 1] = found.clearance.proved
+                words[i, k] = self._judged(found)
+                if words[i, k] is Obstacle.UNDECIDED and self._joins(found):
+                    classes.join(i, k)
+
+        def entry(i: int, k: int) -> Obstacle | None:
+            word = known[i][k]
+            if i == k or word not in (None, *self._changed):
+                return word
+            if word is not None:
+                return Obstacle.UNDECIDED
+            return None if classes.root(i) == classes.root(k) else words[min(i, k), max(i, k)]
+
+        places = range(len(known))
+        return tuple(tuple(entry(i, k) for k in places) for i in places), clear
+
+    @property
+    def _changed(self) -> tuple[Obstacle, ...]:
+        """What is proved of the given manipulator, and not of others."""
+        return () if self.tolerance is None else tuple(x for x in Obstacle if x is not Obstacle.UNDECIDED)
+
+    def _path(self, i: int, k: int) -> Path | NoPath | None:
+        """The widest path that is found between two poses; None if none is proved."""
+        ends = [self._asked(self.places[n]) for n in (i, k)]
+        options = PathOptions(limits=self.bounds, fixed_leg=self.slice_map.fixed_leg, clearance=BEST)
+        with suppress(InputError, SolverError):
+            return pose_path(self.manipulator, *ends, between=self.span, **options)
+        return None
+
+    @staticmethod
+    def _asked(place: _Place) -> dict[str, Any]:
+        legs = {f"l{leg}": exact_str(x) for leg, x in enumerate(place.lengths, 1)}
+        return {**legs, "pose": place.named.number}
+
+    def _judged(self, found: Path | NoPath | None) -> Obstacle:
+        """Why no path of all manipulators keeps the clearance, if none does."""
+        if not isinstance(found, Path) or found.clearance is None or self.tolerance is not None:
+            return Obstacle.UNDECIDED
+        bound = found.clearance.bound
+        return Obstacle.TOO_NARROW if bound is not None and bound < self.clearance else Obstacle.UNDECIDED
+
+    def _joins(self, found: Path | NoPath | None) -> bool:
+        """Whether a path keeps the clearance, for all manipulators."""
+        if not isinstance(found, Path) or found.clearance is None or found.clearance.proved < self.clearance:
+            return False
+        if self.tolerance is None:
+            return True
+        most = max(place.lengths[self.slice_map.fixed_leg - 1] for place in self.places)
+        most = max(most, self.span[1] if self.span else most) * self.slice_map.scale
+        around = Neighbours.of(self.manipulator, self.slice_map, self.tolerance, most)
+        return around is not None and around.joins(found.route, found.sign, self.bounds, self.clearance)
 
 
 @dataclass(frozen=True)

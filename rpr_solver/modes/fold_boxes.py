@@ -131,6 +131,16 @@ class Boxes:
         (alpha, wide_alpha), (theta, wide_theta) = sides
         return Boxes(alpha, theta, wide_alpha, wide_theta), (spans[0], spans[1])
 
+    def hulls(self, first: Integers, second: Integers) -> Boxes:
+        """Boxes that hold both boxes of pairs with these numbers, the shorter way round, and with them the
+        segments between their poses; both have the same half widths."""
+        sides = []
+        for middle, wide in zip(*self.sides, strict=True):
+            step = (middle[second] - middle[first] + TURN // 2) % TURN - TURN // 2
+            sides.append((middle[first] + step // 2, (abs(step) + 1) // 2 + wide[first] + 1))
+        (alpha, wide_alpha), (theta, wide_theta) = sides
+        return Boxes(alpha, theta, wide_alpha, wide_theta)
+
 
 def _wider(ball: Balls, second: Doubles) -> Balls:
     """Means along segments, from balls in their middles and second derivatives along them."""
@@ -152,15 +162,26 @@ class FoldBoxes:
     limits: tuple[tuple[int, int, float], ...]
 
     @classmethod
-    def of(cls, slice_map: SliceMap, bounds: Mapping[int, Bounds], high: Fraction) -> FoldBoxes:
-        """For scaled lengths of the fixed leg up to ``high``, and limits in the user's unit."""
+    def of(
+        cls,
+        slice_map: SliceMap,
+        bounds: Mapping[int, Bounds],
+        high: Fraction,
+        around: tuple[Fraction, LegsInBalls] | None = None,
+    ) -> FoldBoxes:
+        """For scaled lengths of the fixed leg up to ``high``, and limits in the user's unit.
+
+        ``around``: a unit, and all manipulators round the given one, instead of that alone.
+        """
         unit, legs = unit_of(slice_map, high), (slice_map.f, slice_map.g)
+        if around is not None:
+            unit = around[0]
         constants = [Fraction(leg.platform2 + leg.base2) / 2 for leg in legs]
         limits = tuple(
             (wall.leg, wall.side, double((wall.height - constants[wall.leg]) / unit**2))
             for wall in PathLimits.of(slice_map, bounds).walls
         )
-        return cls(unit, LegsInBalls.of(slice_map, unit), limits)
+        return cls(unit, LegsInBalls.of(slice_map, unit) if around is None else around[1], limits)
 
     def slab(self, low: Fraction, high: Fraction) -> Slab:
         """The slab of a range of scaled lengths."""
@@ -175,9 +196,9 @@ class FoldBoxes:
         """Boxes that hold the same singular poses, and which of them may hold one within the limits."""
         keep = np.ones(len(boxes), dtype=bool)
         for _ in range(_ROUNDS):
-            own = self._poses(boxes, slab)
+            own = self.poses(boxes, slab)
             j, slopes = own.singularity
-            keep &= ~own.over(j, slopes).excludes_zero & self._within(own)
+            keep &= ~own.over(j, slopes).excludes_zero & self.within(own)
             x, y, z = (side.rad for side in own.sides)
             by_alpha, by_theta, by_number = slopes
             rest = j.rad + (abs(by_number.mid) + by_number.rad) * z + by_alpha.rad * x + by_theta.rad * y
@@ -189,21 +210,26 @@ class FoldBoxes:
             boxes = Boxes(alpha, theta, wide_alpha, wide_theta)
         return boxes, keep
 
-    def _within(self, own: PoseBoxes) -> Truths:
+    def within(self, own: PoseBoxes) -> Truths:
         """Where no joint limit is exceeded everywhere."""
         inside = np.ones(own.sides[0].mid.shape, dtype=bool)
         number = own.sides[2]
         square = number.mid * number.mid * 0.5
         for leg, side, height in () if own.inverse else self.limits:
             value, (alpha, theta, by_length) = own.value(leg)
-            value = Balls(value.mid + square, value.rad + ROUNDING)
+            # the height of a limit is less the constant of the leg, that of the given manipulator
+            value = Balls(value.mid + square, value.rad + ROUNDING + self._loose(leg))
             least, most = own.over(value, (alpha, theta, by_length + number)).ends()
             inside &= ~(least > height if side > 0 else most < height)
         return inside
 
+    def _loose(self, leg: int) -> float:
+        """By how much the constant of a leg differs between manipulators, at most."""
+        return 0.0 if self.legs.is_one else float(2 * self.legs.constants[leg].rad[0])
+
     def apart(self, boxes: Boxes, slab: Slab, first: Integers, second: Integers) -> Truths:
         """Which pairs of boxes, by their numbers, have no two poses of one joint vector."""
-        own = self._poses(boxes, slab)
+        own = self.poses(boxes, slab)
         x, y, z = (side.rad for side in own.sides)
         values = [own.value(leg) for leg in (0, 1)]
         loose = [v.rad + a.rad * x + t.rad * y + n.rad * z for v, (a, t, n) in values]
@@ -227,7 +253,7 @@ class FoldBoxes:
         The mean of a derivative along the segment between them is that in the middle, but for 1/24 of its
         greatest second derivative along the segment.
         """
-        own, (x, y) = self._poses(boxes, slab), spans
+        own, (x, y) = self.poses(boxes, slab), spans
         f, g = own.legs
         _, (by_alpha, by_theta, _) = singularity_over(f, g)
         by_alpha, by_theta = map(_wider, (by_alpha, by_theta), self._third(spans, slab))
@@ -254,7 +280,8 @@ class FoldBoxes:
         steps = sizes[:, None] * (turns @ np.stack(spans)) ** 2
         return list(turns.T @ steps)
 
-    def _poses(self, boxes: Boxes, slab: Slab) -> PoseBoxes:
+    def poses(self, boxes: Boxes, slab: Slab) -> PoseBoxes:
+        """The free legs over boxes, for all lengths of a slab."""
         ones = np.ones(len(boxes))
         middles: list[Doubles] = [x * np.float64(_UNIT) for x in (boxes.alpha % TURN, boxes.theta % TURN)]
         halves = [*boxes.reach, slab.half * ones]

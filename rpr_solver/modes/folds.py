@@ -22,6 +22,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.modes.fold_boxes import Boxes, FoldBoxes, Slab
 from rpr_solver.modes.joined_regions import OpenSpan
+from rpr_solver.paths.pose_boxes import LegsInBalls
 
 if TYPE_CHECKING:
     from rpr_solver.modes.fold_boxes import Integers
@@ -102,15 +103,19 @@ def folds_apart(
     bounds: Mapping[int, Bounds],
     *,
     most_tests: int = MOST_TESTS,
+    around: tuple[Fraction, LegsInBalls] | None = None,
 ) -> FoldProof:
     """Looks for the proof, for all scaled lengths of the fixed leg in a closed range, within joint limits.
 
     A range without an end goes to the unit of the boxes, and from there by inverse lengths, where limits are
     left out of account. It stops at what cannot be decided first, near which there is a cusp or a crossing
     as a rule.
+
+    ``around``: a unit of scaled lengths, and all manipulators for which it is to be proved, not the given one
+    alone; ``span`` has an end then.
     """
     low, high = span
-    model = FoldBoxes.of(slice_map, bounds, high or low)
+    model = FoldBoxes.of(slice_map, bounds, high or low, around)
     todo = [_Batch(model.slab(low, high or model.unit), Boxes.all(_PARTS), None)]
     if high is None:
         todo.append(_Batch(model.beyond(), Boxes.all(_PARTS), None))

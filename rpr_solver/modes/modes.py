@@ -34,19 +34,28 @@ from rpr_solver.contract import CHECK_DIGITS, PATH_DIGITS, Progress, check_leg, 
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import rounded_near
 from rpr_solver.exact.numerals import double
-from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.margins.options import TOO_WIDE, changes, check_margins
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.joint_points import Kind, free_legs
 from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_json, read_limits, slice_length
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.model.pose_table import poses
+from rpr_solver.model.pose_table import PoseTable, poses
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.modes.folds import OpenPairs, folds_apart, reached, vector_sizes
+from rpr_solver.modes.connections import thresholds_json
+from rpr_solver.modes.fold_boxes import FoldBoxes
+from rpr_solver.modes.folds import FoldProof, OpenPairs, folds_apart, reached, vector_sizes
 from rpr_solver.modes.joined_regions import Aspects, JoinedRegion, Lengths, OpenSpan, Span, joined_regions
+from rpr_solver.modes.tolerant import Neighbours
+from rpr_solver.modes.wide_pairs import wide_pairs
+from rpr_solver.modes.wide_regions import WideRegions
 from rpr_solver.paths import by_leg
 from rpr_solver.paths.between_poses import joint_path
+from rpr_solver.paths.clearances import with_clearance
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
+from rpr_solver.paths.pose_boxes import LegsInBalls
+from rpr_solver.paths.proofs import BEST
 from rpr_solver.paths.question import PathOptions, PathTerms, document_lengths
 from rpr_solver.slices import kept_eliminant
 from rpr_solver.transitions import Requirement
@@ -85,6 +94,12 @@ class AssemblyModes:
             are not supported.
         reason: why it is undecided; None if it is not.
         pairs: the number of pairs of boxes that were examined; None if there was no need.
+        clearance: how far, in degrees, the change must keep from singular poses.
+        tolerance: how much each of the six lengths may be off; None if they are exact.
+        best: where a clearance or a tolerance leaves it undecided: the greatest clearance of a path that
+            changes the mode and was found, in degrees; None if there is none.
+        by_regions: whether it is impossible since the poses that keep the clearance are in regions each of
+            which maps one to one.
 
     >>> from rpr_solver import EXAMPLES, assembly_modes
     >>> answer = assembly_modes(EXAMPLES["innocenti"], 27)
@@ -105,6 +120,10 @@ class AssemblyModes:
     regions: tuple[JoinedRegion, ...] | None = field(default=None, repr=False)
     reason: str | None = None
     pairs: int | None = None
+    clearance: Fraction = Fraction(0)
+    tolerance: tuple[Fraction, ...] | None = None
+    best: Fraction | None = None
+    by_regions: bool = False
 
     def __repr__(self) -> str:
         low, high = self.span
@@ -118,18 +137,23 @@ class AssemblyModes:
         asked = {f"l{leg}": exact_str(low)} if low == high else {"range": LengthRange(low, high).to_json()}
         return {
             **document_head(self.manipulator, PATH_DIGITS, leg),
-            "asked": {**asked, "limits": limits_json(self.limits) or None},
+            "asked": {**asked, "limits": limits_json(self.limits) or None, **self._thresholds()},
             "change": self.change.value,
             "witness": None if self.witness is None else _witness_json(self.witness),
             "regions": None if self.regions is None else [region.to_json() for region in self.regions],
             "reason": self.reason,
+            **({} if self.best is None else {"best_clearance": exact_str(self.best)}),
             "certificate": {"method": self._method(), "pairs": self.pairs},
         }
+
+    def _thresholds(self) -> dict[str, Any]:
+        """What is asked of clearance and tolerance, without what is not."""
+        return thresholds_json(self.clearance, self.tolerance)
 
     def _method(self) -> str | None:
         if self.change is Change.IMPOSSIBLE:
             if self.pairs is not None:
-                return "folds"
+                return "regions" if self.by_regions else "folds"
             return "shared-joints" if self.manipulator.geometry.shared_joints else "similar"
         return "witness" if self.change is Change.POSSIBLE else None
 
@@ -150,6 +174,8 @@ def assembly_modes(
     between: tuple[Exact, Exact | None] | None = None,
     limits: ExactLimits | None = None,
     fixed_leg: int = 1,
+    clearance: Exact | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     with_regions: bool = True,
 ) -> AssemblyModes:
     """Whether the assembly mode can change without a singularity, and how; or the proof that it cannot.
@@ -161,6 +187,10 @@ def assembly_modes(
             upper end.
         limits: joint limits of the other legs, as for :func:`joint_path`.
         fixed_leg: the leg of the slice or of the range, 1, 2 or 3.
+        clearance: how far all poses of a change must keep from singular poses, in degrees, > 0 (paths.md):
+            possible if a path is found that does; impossible if it is proved that none does.
+        tolerance: how much all lengths may be off, or single ones by their names, the others being exact:
+            the answer must hold for every manipulator within it.
         with_regions: whether the regions of the joint plane are wanted, too.
 
     Raises:
@@ -172,11 +202,18 @@ def assembly_modes(
     <AssemblyModes L1 from 0.05 to 0.1: change impossible>
     >>> assembly_modes(EXAMPLES["innocenti"], 27, limits={"l2": (None, 10)}).change
     'possible'
+    >>> assembly_modes(EXAMPLES["innocenti"], 27, clearance="0.5", tolerance="0.05").change
+    'possible'
     """
     leg = check_leg(fixed_leg)
+    asked = Fraction(0) if clearance is None else parse_positive(clearance, "clearance")
+    within = None if tolerance is None else changes(None, tolerance)
+    if within is not None:
+        check_margins(manipulator)
     span = _span(length, between, leg)
     bounds = read_limits({} if limits is None else limits, "limits", leg)
-    question = _Question(manipulator, SliceMap.of(manipulator, leg, with_shared=True), span, bounds)
+    slice_map = SliceMap.of(manipulator, leg, with_shared=True)
+    question = _Question(manipulator, slice_map, span, bounds, asked, within)
     answer = question.answer()
     if not with_regions or bounds or span[1] is None or manipulator.geometry.shared_joints:
         return answer
@@ -209,12 +246,16 @@ class _Question:
         slice_map: its integer model.
         span: the lengths of the fixed leg, in the user's unit; None is no upper end.
         bounds: the limits of the free legs.
+        clearance: what is asked for, in degrees; 0 for nothing.
+        tolerance: of each length; None if they are exact.
     """
 
     manipulator: Manipulator
     slice_map: SliceMap
     span: OpenSpan
     bounds: Mapping[int, Bounds]
+    clearance: Fraction = Fraction(0)
+    tolerance: tuple[Fraction, ...] | None = None
 
     @property
     def leg(self) -> int:
@@ -223,22 +264,112 @@ class _Question:
 
     def answer(self) -> AssemblyModes:
         """The answer without the regions."""
+        if self.clearance or self.tolerance is not None:
+            return self._with_thresholds()
+        return self._plain()
+
+    def _plain(self) -> AssemblyModes:
+        """The answer for the given manipulator, however near to a singularity."""
         geometry = self.manipulator.geometry
         if geometry.is_similar or geometry.shared_joints:
             return self._answer(Change.IMPOSSIBLE)
         witness = next(self._loops(self._sampled()), None)
         if witness is not None:
-            return self._answer(Change.POSSIBLE, witness=witness)
-        scale, (low, high) = self.slice_map.scale, self.reached
-        proof = folds_apart(
-            self.slice_map, (low * scale, None if high is None else high * scale), self.bounds
-        )
+            return self._possible(witness)
+        proof = self._folds(self.slice_map, None)
         if not proof.left:
             return self._answer(Change.IMPOSSIBLE, pairs=proof.tests)
         witness = next(self._witnesses(proof.left[0]), None)
         if witness is not None:
-            return self._answer(Change.POSSIBLE, witness=witness)
+            return self._possible(witness)
         return self._answer(Change.UNDECIDED, pairs=proof.tests, reason=self._reason(proof.left[0]))
+
+    def _folds(self, slice_map: SliceMap, around: tuple[Fraction, LegsInBalls] | None) -> FoldProof:
+        scale, (low, high) = slice_map.scale, self.reached
+        return folds_apart(
+            slice_map, (low * scale, None if high is None else high * scale), self.bounds, around=around
+        )
+
+    def _possible(self, witness: Path) -> AssemblyModes:
+        """With a witness, and its clearance."""
+        return self._answer(Change.POSSIBLE, witness=with_clearance(witness, self.clearance))
+
+    def _with_thresholds(self) -> AssemblyModes:
+        """The answer that keeps a clearance, or holds for all manipulators within a tolerance.
+
+        The paths that are tried are the same for all thresholds, so that a looser one loses none.
+        """
+        plain = replace(self, clearance=Fraction(0), tolerance=None)._plain()
+        if plain.change is Change.IMPOSSIBLE and self.tolerance is None:
+            return self._answer(Change.IMPOSSIBLE, pairs=plain.pairs)
+        around = None
+        if self.tolerance is not None:
+            most = self.looked_at[1] * self.slice_map.scale
+            around = Neighbours.of(self.manipulator, self.slice_map, self.tolerance, most)
+            if around is None:
+                return self._answer(Change.UNDECIDED, reason=TOO_WIDE)
+        best: Fraction | None = None
+        if plain.change is not Change.IMPOSSIBLE:
+            for path in self._wide(plain.witness):
+                assert path.clearance is not None
+                own = path.clearance.proved
+                best = own if best is None else max(own, best)
+                if own >= self.clearance and (around is None or self._holds(around, path)):
+                    return self._possible(path)
+        if around is not None and self.reached[1] is not None:
+            proof = self._folds(self.slice_map, around.around)
+            if not proof.left:
+                return self._answer(Change.IMPOSSIBLE, pairs=proof.tests)
+        if (tests := self._regions_apart(around)) is not None:
+            return self._answer(Change.IMPOSSIBLE, pairs=tests, by_regions=True)
+        return self._answer(Change.UNDECIDED, reason=self._why_open(plain, best), best=best)
+
+    def _regions_apart(self, around: Neighbours | None) -> int | None:
+        """The number of pairs of boxes that prove, in a slice, that no path keeps the clearance; None if that
+        is not proved."""
+        low, high = self.reached
+        if low != high or not self.clearance:
+            return None
+        length = low * self.slice_map.scale
+        others = None if around is None else around.around
+        model = FoldBoxes.of(self.slice_map, self.bounds, length, others)
+        return WideRegions(model, model.slab(length, length), self.clearance).tests_apart()
+
+    def _holds(self, around: Neighbours, path: Path) -> bool:
+        """Whether a path changes the mode of all manipulators, with the clearance that is asked for."""
+        return around.keeps(path.route, path.sign, self.bounds, self.clearance)
+
+    def _why_open(self, plain: AssemblyModes, best: Fraction | None) -> str:
+        if plain.change is Change.IMPOSSIBLE:
+            return "the given lengths do not allow a change; of others within the tolerance it is not proved"
+        if best is None:
+            return plain.reason or "no path was found"
+        widest = f"the widest path that was found keeps {exact_str(best)} degrees"
+        if best >= self.clearance:
+            return f"{widest}, but that others within the tolerance can follow one is not proved"
+        return f"{widest}, and that none keeps more is not proved"
+
+    def _wide(self, known: Path | None) -> Iterator[Path]:
+        """Paths that change the mode, with their clearances, wide ones first."""
+        yield from map(with_clearance, self._between_wide(self._sampled()))
+        yield from islice(self._loops(self._sampled(), clearance=BEST), _MOST_WIDE)
+        if known is not None:
+            yield with_clearance(known)
+
+    def _between_wide(self, lengths: Iterable[Fraction]) -> Iterator[Path]:
+        """Paths between poses that a grid suggests, each in a slice."""
+        for length in lengths:
+            try:
+                pairs = list(wide_pairs(self.slice_map, length * self.slice_map.scale, self.bounds))
+            except (SolverError, OverflowError):
+                continue
+            for joint, spots in pairs:
+                lengths_of = by_leg(self.leg, (length, *joint))
+                with suppress(InputError, SolverError):
+                    table = poses(self.manipulator, *lengths_of, digits=PATH_DIGITS)
+                    one, other = (_nearest_pose(table, self.leg, spot) for spot in spots)
+                    if one != other:
+                        yield from self._path(lengths_of, one, other, (length, length), clearance=BEST)
 
     @cached_property
     def reached(self) -> OpenSpan:
@@ -263,6 +394,7 @@ class _Question:
             return None
 
     def _answer(self, change: Change, **more: Any) -> AssemblyModes:
+        more = {**more, "clearance": self.clearance, "tolerance": self.tolerance}
         return AssemblyModes(self.manipulator, self.leg, self.span, self.bounds, change, **more)
 
     def _sampled(self) -> Iterator[Fraction]:
@@ -272,10 +404,10 @@ class _Question:
         if low < high:
             yield from (low, high)
 
-    def _loops(self, lengths: Iterable[Fraction]) -> Iterator[Path]:
+    def _loops(self, lengths: Iterable[Fraction], clearance: str | None = None) -> Iterator[Path]:
         """Loops round cusps of these slices within the limits."""
         eliminant = kept_eliminant(self.manipulator, self.leg)
-        terms = PathTerms.of(limits=self.bounds, fixed_leg=self.leg)
+        terms = PathTerms.of(limits=self.bounds, fixed_leg=self.leg, clearance=clearance)
         for length in lengths:
             try:
                 table = slice_for_loops(eliminant, length)
@@ -324,10 +456,12 @@ class _Question:
         near = max(rounded_near(left.length / self.slice_map.scale, 10), self.span[0])
         return near if self.reached[1] is None else min(near, self.reached[1])
 
-    def _path(self, lengths: Lengths, one: int, other: int, span: Span) -> Iterator[Path]:
+    def _path(
+        self, lengths: Lengths, one: int, other: int, span: Span, clearance: str | None = None
+    ) -> Iterator[Path]:
         """A path between two poses of a joint vector, if there is one."""
         between = None if span[0] == span[1] else span
-        options = PathOptions(limits=self.bounds, fixed_leg=self.leg)
+        options = PathOptions(limits=self.bounds, fixed_leg=self.leg, clearance=clearance)
         with suppress(InputError, SolverError):
             path = joint_path(self.manipulator, *lengths, one, other, between=between, **options)
             if isinstance(path, Path):
@@ -341,8 +475,21 @@ class _Question:
         return f"near {place}, folds could not be told apart in boxes of {left.size_deg:.2g} deg"
 
 
+_MOST_WIDE = 8
+"""Wide loops that are tried, half a second each."""
 _MOST_PATHS, _FEWEST = 6, 4
 """Paths that are tried; poses of a joint vector, of which two have one sign of J."""
+
+
+def _nearest_pose(table: PoseTable, leg: int, spot: tuple[float, float]) -> int:
+    """The number of the pose of a table that is nearest to α and θ in degrees."""
+
+    def far(number: int) -> float:
+        pose = table.poses[number - 1].to_json()
+        angles = pose["alpha_deg"], pose[f"theta{leg}_deg"]
+        return max(abs((float(x) - y + 180) % 360 - 180) for x, y in zip(angles, spot, strict=True))
+
+    return min(range(1, table.count + 1), key=far)
 
 
 def _pairs(
@@ -361,6 +508,7 @@ def check(
     requirement: Requirement,
     *,
     digits: int = CHECK_DIGITS,
+    tolerance: Mapping[str, Exact] | Exact | None = None,
     progress: Progress | None = None,
 ) -> CheckReport:
     """Proves or refutes a requirement on the cusps of a range of lengths, and on changes of assembly mode.
@@ -375,10 +523,12 @@ def check(
         requirement: the fixed leg, the range, the numbers of cusps, the joint limits, and whether a change of
             assembly mode is required or excluded.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
+        tolerance: how much the lengths may be off, for the change of assembly mode alone; for the numbers of
+            cusps ask for a :func:`~rpr_solver.margin`.
         progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
-        InputError: naming ``manipulator``, ``requirement`` or ``digits``.
+        InputError: naming ``manipulator``, ``requirement``, ``digits`` or ``tolerance``.
         SolverError: a cut could not be decided, or cusps keep the length of a joint limit over a range.
 
     >>> from rpr_solver import EXAMPLES
@@ -391,13 +541,18 @@ def check(
     """
     report = check_counts(manipulator, requirement, digits=digits, progress=progress)
     if requirement.mode_change is None:
+        if tolerance is not None:
+            raise InputError.of("tolerance", "is for changes of assembly mode here; ask for a margin")
         return report
     found = assembly_modes(
         manipulator,
         between=(requirement.start, requirement.stop),
         limits=requirement.limits,
         fixed_leg=requirement.fixed_leg,
+        clearance=requirement.clearance or None,
+        tolerance=tolerance,
         with_regions=False,
     ).to_json()
-    part = {name: found[name] for name in ("change", "witness", "reason", "certificate")}
+    names = ("change", "witness", "reason", "best_clearance", "certificate")
+    part = {name: found[name] for name in names if name in found}
     return replace(report, mode_change=part)

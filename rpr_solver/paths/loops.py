@@ -134,7 +134,7 @@ def cusp_loop(
 
     The loop begins and ends at one joint vector. The platform follows continuously, J ≠ 0 all along, and yet
     it arrives at another pose: the manipulator changes its assembly mode, which is possible in other ways too
-    (paths.md#cusps-and-assembly-modes). Run backwards (``reversed``) the loop carries the second pose to the
+    (assembly-modes.md#cusps-and-assembly-modes). Run backwards (``reversed``) the loop carries the second pose to the
     first. It turns round this cusp counter-clockwise, and round no other cusp of the slice but its twins,
     which have the same joint vector, as for congruent triangles.
 

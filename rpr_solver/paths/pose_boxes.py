@@ -95,11 +95,26 @@ class LegsInBalls:
         waves: of both, at α = θ = 0.
         constants: (|m|² + |a|²) / 2.
         sizes: bounds of |m| and |a|.
+        is_one: whether it is one manipulator; else all those with waves in the balls.
     """
 
     waves: tuple[Waves, Waves]
     constants: tuple[Balls, Balls]
     sizes: tuple[tuple[float, float], tuple[float, float]]
+    is_one: bool = True
+
+    @classmethod
+    def around(cls, points: Sequence[tuple[PlaneNumber[arb], PlaneNumber[arb]]]) -> LegsInBalls:
+        """All manipulators whose m and a, for both legs, are in these balls; in a unit that none exceeds."""
+        waves, constants, sizes = [], [], []
+        for m, a in points:
+            squares = [z.real * z.real + z.imag * z.imag for z in (m, a)]
+            own = [PlaneNumber(Balls.of([z.real]), Balls.of([z.imag])) for z in (m, a)]
+            waves.append(Waves.of(*own))
+            constants.append(Balls.of([(squares[0] + squares[1]) / 2]))
+            platform, base = (float(square.upper().sqrt().upper()) * UP for square in squares)
+            sizes.append((platform, base))
+        return cls((waves[0], waves[1]), (constants[0], constants[1]), (sizes[0], sizes[1]), is_one=False)
 
     @classmethod
     def of(cls, slice_map: SliceMap, unit: Fraction) -> LegsInBalls:
@@ -159,7 +174,18 @@ class PoseBoxes:
     @cached_property
     def legs(self) -> tuple[LegOver, LegOver]:
         """Both legs over the boxes."""
-        alpha, theta, number = self.sides
+        return self._legs_over(self.sides)
+
+    @cached_property
+    def _at_middles(self) -> tuple[LegOver, LegOver] | None:
+        """Both legs at the middles, for all manipulators; None if there is one, of which they are known."""
+        if self.model.is_one:
+            return None
+        x, y, z = (Balls.exact(side.mid) for side in self.sides)
+        return self._legs_over((x, y, z))
+
+    def _legs_over(self, sides: tuple[Balls, Balls, Balls]) -> tuple[LegOver, LegOver]:
+        alpha, theta, number = sides
         turns = [PlaneNumber(*x.sin_cos()[::-1]) for x in (alpha - theta, theta, alpha)]
         f, g = (LegOver.of(waves, turns, number, self.inverse) for waves in self.model.waves)
         return f, g
@@ -167,28 +193,42 @@ class PoseBoxes:
     @cached_property
     def singularity(self) -> tuple[Balls, Slopes]:
         """J / L at the middles, and means of its derivatives between them and any point of their boxes."""
+        middles = self._at_middles
         return self._from_middles(
-            singularity_over(*self.legs), singularity_over(*self.model.bounds[self.inverse])
+            singularity_over(*self.legs),
+            singularity_over(*self.model.bounds[self.inverse]),
+            None if middles is None else singularity_over(*middles),
         )
 
     def value(self, leg: int) -> tuple[Balls, Slopes]:
         """The same for the value of a leg."""
         own, most = self.legs[leg], self.model.bounds[self.inverse][leg]
-        return self._from_middles((own.value, own.rise), (most.value, most.rise))
+        middle = None if self._at_middles is None else self._at_middles[leg]
+        return self._from_middles(
+            (own.value, own.rise),
+            (most.value, most.rise),
+            None if middle is None else (middle.value, middle.rise),
+        )
 
     @staticmethod
-    def _from_middles(over: tuple[Balls, Slopes], bounds: tuple[Balls, Slopes]) -> tuple[Balls, Slopes]:
+    def _from_middles(
+        over: tuple[Balls, Slopes], bounds: tuple[Balls, Slopes], middles: tuple[Balls, Slopes] | None
+    ) -> tuple[Balls, Slopes]:
         """Values and means from balls over boxes.
 
         The radius over boxes with half widths times t is a polynomial in t without negative coefficients,
-        plus roundings, so that its mean for 0 ≤ t ≤ 1 is at most half of what it is at the end.
+        plus roundings, so that its mean for 0 ≤ t ≤ 1 is at most half of what it is at the ends together. At
+        t = 0 it is 0 for one manipulator.
         """
         (value, slopes), (most, steepest) = over, bounds
+        first, starts = np.zeros(1), [np.zeros(1)] * 3
+        if middles is not None:
+            first, starts = middles[0].rad, [x.rad for x in middles[1]]
         x, y, z = (
-            Balls(own.mid, padded(0.5 * own.rad + _ROUNDING * bound.rad))
-            for own, bound in zip(slopes, steepest, strict=True)
+            Balls(own.mid, padded(0.5 * own.rad + 0.5 * start + _ROUNDING * bound.rad))
+            for own, bound, start in zip(slopes, steepest, starts, strict=True)
         )
-        return Balls(value.mid, padded(_ROUNDING * most.rad + 0 * value.mid)), (x, y, z)
+        return Balls(value.mid, padded(first + _ROUNDING * most.rad + 0 * value.mid)), (x, y, z)
 
     def over(self, value: Balls, slopes: Slopes) -> Balls:
         """All values on the boxes, from those at the middles and the means of derivatives."""

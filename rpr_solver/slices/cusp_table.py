@@ -29,6 +29,7 @@ from rpr_solver.notebook import csv_text
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.shared_joints import shared_slice
+from rpr_solver.slices.single import single_slice
 from rpr_solver.slices.slice_table import SliceTable
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
@@ -62,7 +63,9 @@ class SliceSolver:
             SolverError: the slice could not be decided.
         """
         table = self._fast(place)
-        table = table or ReferenceSlice(self._eliminant, self._lengths[place], self._digits).solve()
+        if table is None:
+            reference = ReferenceSlice(self._eliminant, self._lengths[place], self._digits)
+            table = single_slice(reference) or reference.solve()
         return replace(table, remark=self._remark) if self._remark else table
 
 

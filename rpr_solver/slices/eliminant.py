@@ -12,31 +12,30 @@ With the half tangents t and u of α and θ (slice_map.py), all degrees formal, 
 - Q: degree 24 in u, 10 in L.
 
 The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant); so is its
-quotient by some squared sides (mathematics.md#the-content-of-the-eliminant). So Q is determined by balls
-round the coefficients of the quotient that hold one integer each. They are computed from its values in 26
-directions, at 12 lengths, the negative ones for nothing. Where few slices are asked for, Q is computed at
+quotient by some squared sides (mathematics.md#the-content-of-the-eliminant). So Q at one length is determined
+by balls round its values at ±2ᵏ that hold one integer each (exact/two_values.py). Q for all lengths is
+interpolated from 12 of them, the negative ones for nothing. Where few slices are asked for, Q is computed at
 their lengths alone.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, isqrt
+from math import isqrt, prod
 from threading import Lock
 from typing import Any
 
-from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly, nmod_mat
+from flint import arb, fmpq, fmpq_mat, fmpz, fmpz_mat, fmpz_poly, nmod_mat
 
 from rpr_solver.contract import FEW_SLICES, SOLVER_VERSION, check_leg, check_type
-from rpr_solver.exact.biform import Rows, Table, rows_at
-from rpr_solver.exact.elimination import Circle, FormPair, at_points, ball_resultant, recovered
+from rpr_solver.exact.elimination import ball_resultant, no_quotient
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.exact.two_values import from_two_values, resultant_bits
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.triangles import points_needed, read_geometry
@@ -46,8 +45,8 @@ DEGREE_L = 10
 _DEGREE, _TWOS = 26, 8
 """The degree of Q in all lengths, without the squared sides, and half of that in those of the platform."""
 _LENGTHS = 6
-_POINTS = DEGREE_U + 2
-"""One more than there are coefficients, as a check, and even, so that half a turn maps points to points."""
+_CIRCULAR = 9
+"""The power of 1 + ρu² in the resultant."""
 _MULTIPLES = [sign * k for sign in (1, -1) for k in range(1, _LENGTHS + 1)]
 _FROM_LENGTHS = fmpq_mat([[k**power for power in range(2 * _LENGTHS)] for k in _MULTIPLES]).inv()
 """From values at the lengths ±1, …, ±6 to coefficients; there is one more length than coefficients."""
@@ -75,7 +74,7 @@ class Coefficients:
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one *scaled* L, primitive; raises the same error."""
         if self.known is None and length not in self._slices and len(self._slices) < FEW_SLICES:
-            self._slices[length] = self._sampling.at(length)
+            self._slices[length] = self._sampling.at(length)[0].primitive()
         if q := self._slices.get(length):
             return q
         n, d = fmpz(length.numerator), fmpz(length.denominator)
@@ -197,8 +196,8 @@ class Eliminant:
 def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     """Q(u, L) of a manipulator and one fixed leg, to be shared by all slices.
 
-    It is computed for the first few slices at their lengths (2 to 6 ms each), then or when its coefficients
-    are needed for all lengths (10 to 40 ms).
+    It is computed for the first few slices at their lengths (a third of a millisecond to one each), then or
+    when its coefficients are needed for all lengths (5 to 30 ms).
 
     Args:
         manipulator: the geometry.
@@ -227,10 +226,10 @@ def _one() -> tuple[fmpz_mat, fmpz_mat]:
 
 @dataclass(frozen=True)
 class _Sampling:
-    """Values of Q on a circle of directions of the fixed leg, at the lengths ±k · step, k = 1, …, 6.
+    """Q at single lengths, of which twelve determine it: ±k · step, k = 1, …, 6.
 
-    A negative length in the opposite direction is the same leg, so Q(θ + π, −L) = Q(θ, L), and half a turn of
-    the circle gives the values at the negative lengths.
+    A negative length in the opposite direction is the same leg, so Q(θ + π, −L) = Q(θ, L), and Q at the
+    negative lengths has the coefficients of Q at the positive ones.
 
     Attributes:
         along: the primitive part of w.
@@ -243,130 +242,80 @@ class _Sampling:
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Sampling:
-        return cls(slice_map, slice_map.f.collinear().primitive(), slice_map.unit)
+        return cls(slice_map, slice_map.f.collinear.primitive(), slice_map.unit)
 
-    def _pair(self, singular: Sequence[Rows], coalescence: Sequence[Rows], cofactor: Fraction) -> FormPair:
-        """J and E by powers of a length; Q is multiplied by ``cofactor``."""
+    @cached_property
+    def _content(self) -> Fraction:
+        """That of Q without its powers of ν and of the denominator of L (see :meth:`at`)."""
         f, g = self.slice_map.f, self.slice_map.g
         sides = f.platform2**2 * g.platform2 * self.slice_map.side2
-        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear().content ** 2
-        rho = self.slice_map.rho
-        return FormPair.of(singular, coalescence, content * cofactor * rho**3, rho)
+        content = sides * Fraction(self.unit**_DEGREE, 1 << _TWOS) * f.collinear.content**2
+        return content * self.slice_map.rho**3
 
     @cached_property
-    def _closed_content(self) -> int:
-        """That of q, a polynomial in u and L / unit."""
-        f = self.slice_map.f
-        base = gcd(*(x for z in f.base for x in (z.a, z.b)))
-        return gcd(self.unit**2, 2 * self.unit * base, f.base2 - f.platform2)
-
-    @cached_property
-    def _forms(self) -> FormPair:
-        singular, coalescence = (
-            [tuple(row * self.unit**k for row in rows) for k, rows in enumerate(_powers(table, top))]
-            for table, top in zip(self.slice_map.tables, (1, 2), strict=True)
-        )
-        return self._pair(singular, coalescence, Fraction(self._closed_content))
-
-    @property
-    def _circle(self) -> Circle:
-        return Circle(_POINTS, ctx.prec, self.slice_map.rho)
-
-    @cached_property
-    def step(self) -> Fraction:
-        """In terms of L / unit."""
+    def step(self) -> int:
+        """In terms of the unit."""
         legs = self.slice_map.f, self.slice_map.g
         size = isqrt(max(x for leg in legs for x in (leg.base2, leg.platform2))) // self.unit
-        return Fraction(1 << size.bit_length(), 4)
-
-    @property
-    def bits(self) -> int:
-        """A precision that will do: that of a bound at a typical length."""
-        return self._forms.bits(int(4 * self.step))
+        return max((1 << size.bit_length()) // 4, 1)
 
     def whole(self) -> tuple[fmpz_mat, fmpz_mat]:
         """A and B, as in :class:`Eliminant`; raises SolverError if a known factor is missing."""
-        parts = recovered(self.slice_map.radicand, self.coefficients, self.bits)
-        units = [self.unit ** (DEGREE_L - k) for k in range(DEGREE_L + 1)]
-        size, contents = DEGREE_U + 1, self._forms.contents(DEGREE_U)
-        scaled = [[x * units[i // size] * contents[i % size] for i, x in enumerate(part)] for part in parts]
-        content = fmpz_poly([*scaled[0], *scaled[1]]).content() or fmpz(1)
-        a, b = (fmpz_mat(DEGREE_L + 1, size, [x // content for x in part]).transpose() for part in scaled)
-        return a, b
+        samples = [self.at(Fraction(k * self.step * self.unit)) for k in range(1, _LENGTHS + 1)]
+        (a, below_a), (b, below_b) = (
+            self._by_length([(part, scale) for part, (_, scale) in zip(parts, samples, strict=True)])
+            for parts in ([q.a for q, _ in samples], [q.b for q, _ in samples])
+        )
+        below = below_a.lcm(below_b)
+        a, b = a * (below // below_a), b * (below // below_b)
+        content = fmpz_poly([*a.entries(), *b.entries()]).content() or fmpz(1)
+        size = DEGREE_U + 1, DEGREE_L + 1
+        first, second = (fmpz_mat(*size, [x // content for x in part.entries()]) for part in (a, b))
+        return first, second
 
-    def coefficients(self, omega: arb) -> list[arb] | None:
-        """The coefficients of Q, powers of L / unit first; None if it is no polynomial of its degrees."""
-        circle = self._circle
-        lengths = [self.step * k for k in range(1, _LENGTHS + 1)]
-        values = self._values(circle, lengths, omega)
-        half = _POINTS // 2
-        turned = [row[half:] + row[:half] for row in values]
-        by_length = arb_mat(_FROM_LENGTHS) * arb_mat(values + turned)
-        *rows, spare = by_length.tolist()
-        if not all(x.contains(0) for x in spare):
-            return None
-        coefficients = circle.coefficients(rows, DEGREE_U)
-        if coefficients is None:
-            return None
-        scales = [ball_of(self.step**power) for power in range(DEGREE_L + 1)]
-        contents = self._forms.contents(DEGREE_U)
-        return [
-            x / (scale * content)
-            for row, scale in zip(coefficients, scales, strict=True)
-            for x, content in zip(row, contents, strict=True)
-        ]
+    def _by_length(self, samples: Sequence[tuple[fmpz_poly, Fraction]]) -> tuple[fmpz_mat, fmpz]:
+        """A or B of Q over a number, from that of the samples: a column for each power of L."""
+        rho, top = self.slice_map.rho, DEGREE_U
+        values = [[fmpq(*x.as_integer_ratio()) * p[i] for i in range(top + 1)] for p, x in samples]
+        # u becomes −1/(ρ u) with −L
+        signs = [fmpq(rho) ** (i - top // 2) * (-1) ** i for i in range(top + 1)]
+        turned = [[x * row[top - i] for i, x in enumerate(signs)] for row in values]
+        *rows, spare = (_FROM_LENGTHS * fmpq_mat(values + turned)).tolist()
+        if any(spare):
+            raise no_quotient()
+        length = fmpq(self.step * self.unit)
+        return (
+            fmpq_mat([[x / length**k for x in row] for k, row in enumerate(rows)]).transpose().numer_denom()
+        )
 
-    def at(self, length: Fraction) -> QuadraticPoly:
-        """Q at one length, primitive; raises the same error."""
-        closed = self.slice_map.f.closed(length)
-        over = closed.content
+    def at(self, length: Fraction) -> tuple[QuadraticPoly, Fraction]:
+        """Q at one length over a number, and this number; raises the same error.
+
+        With L = x/y what is computed of J, E and q is times powers of y, as they have of L.
+        """
+        slice_map, rho = self.slice_map, self.slice_map.rho
+        closed, (j, e) = slice_map.f.closed(length), slice_map.sliced(length)
+        over, known = closed.content, (self.along, self.along, closed.primitive())
         # of primitive factors the quotient is integral
-        factors = [self.along, closed.primitive()]
-        tables = self.slice_map.tables
-        singular, coalescence = (rows_at(table, length) for table in tables)
-        # rows_at() multiplies by as many powers of the denominator as a form has of L, closed() by two
-        power = sum(times * (len(table[0]) - 1) for times, table in zip((6, 4), tables, strict=True)) - 2
-        over_unit = (length / self.unit).denominator
-        cofactor = Fraction(length.denominator) ** power * over / over_unit**DEGREE_L
-        forms = self._pair([singular], [coalescence], cofactor)
-        contents = forms.contents(DEGREE_U)
+        divided = Fraction(j.content**e.degree * e.content**j.degree, over)
+        power = e.degree * j.powers + j.degree * e.powers - 2
+        denominators = Fraction(length.denominator**power, (length / self.unit).denominator ** DEGREE_L)
+        content = (self._content * denominators / divided).numerator
+        bits = resultant_bits(j.size(rho), e.size(rho), known, content, DEGREE_U, rho)
 
-        def coefficients(omega: arb) -> list[arb] | None:
-            circle = self._circle
-            [(j, e)] = forms.at_points(circle, omega, [length])
-            known = at_points(factors, 2, circle, omega)
-            values = [
-                ball_resultant(*x) * forms.measure / (w * w * q)
-                for *x, (w, q) in zip(j, e, known, strict=True)
-            ]
-            found = circle.coefficients([values], DEGREE_U)
-            if found is None:
-                return None
-            return [x / content for x, content in zip(found[0], contents, strict=True)]
+        def value(u: int) -> Callable[[arb], arb]:
+            pairs = [(p.a(u), p.b(u)) for p in (*j.rows, *e.rows, *known)]
+            circular = content * (1 + rho * u * u) ** _CIRCULAR
 
-        parts = recovered(self.slice_map.radicand, coefficients, forms.bits())
-        a, b = (fmpz_poly([x * content for x, content in zip(part, contents, strict=True)]) for part in parts)
-        return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
+            def at(omega: arb) -> arb:
+                values = [arb(a) + omega * b if b else arb(a) for a, b in pairs]
+                first, second = values[: j.degree + 1], values[j.degree + 1 : -len(known)]
+                return ball_resultant(first, second) / prod(values[-len(known) :], start=arb(circular))
 
-    def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
-        """A row of values of Q for each length, times the content."""
-        closed = [self.slice_map.f.closed(length * self.unit) for length in lengths]
-        known = at_points([self.along, *closed], 2, circle, omega)
-        values = []
-        for i, (j, e) in enumerate(self._forms.at_points(circle, omega, lengths)):
-            # q of closed() is multiplied by the squared denominator
-            scale = (lengths[i] * self.unit).denominator ** 2 * self._closed_content * self._forms.measure
-            places = zip(j, e, known, strict=True)
-            values.append([ball_resultant(*x) * scale / (k[0] * k[0] * k[i + 1]) for *x, k in places])
-        return values
+            return at
 
-
-def _powers(table: Table, top: int) -> list[Rows]:
-    """For each power of L the coefficients of t⁰, t¹, …"""
-    powers = list(zip(*table, strict=True))
-    # J/L of flat congruent triangles does not hold L
-    missing = top + 1 - len(powers)
-    return powers + [(QuadraticPoly.rational([], table[0][0].radicand),) * len(table)] * missing
+        q = from_two_values(slice_map.radicand, DEGREE_U, bits, value)
+        return q, content * divided / length.denominator**power
 
 
 MOST_BYTES = 16 << 20

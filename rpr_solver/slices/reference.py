@@ -270,7 +270,7 @@ class ReferenceSlice:
         self.scaled = length * self.slice_map.scale
         self.digits = digits
         self._bridge = Bridge.of(self.slice_map)
-        self._collinear = self.slice_map.f.collinear()
+        self._collinear = self.slice_map.f.collinear
         self._closed = self.slice_map.f.closed(self.scaled)
         self._decimals = cache(partial(PointDecimals, self.slice_map, digits))
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any, TypedDict
 
 from rpr_solver.contract import (
     DEFAULT_DIGITS,
+    MIN_DIGITS,
     Progress,
     check_digits,
     check_leg,
@@ -14,7 +17,7 @@ from rpr_solver.contract import (
     document_head,
     silent,
 )
-from rpr_solver.exact.rationals import Exact
+from rpr_solver.exact.rationals import Exact, exact_str, parse_not_negative
 from rpr_solver.model.joint_points import JointPoint, Kind, PoseKind
 from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
@@ -22,9 +25,10 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, Pictured, draw, shown_as_svg
 from rpr_solver.transitions.degeneracies import Degeneracy, degeneracies
-from rpr_solver.transitions.event_systems import event_point, length_text
+from rpr_solver.transitions.event_systems import Event, event_point, length_text
 from rpr_solver.transitions.shared_joints import shared_degeneracies
 from rpr_solver.transitions.survey import Survey, numbers_of_aspects, survey
+from rpr_solver.transitions.windows import IgnoredWindow, Part, ignored
 
 
 class LengthKind(Kind):
@@ -122,6 +126,8 @@ class Census(Pictured):
             same in all of them, as for similar or congruent triangles.
         degenerate: what is degenerate in every slice of an interval, or along a whole curve of one slice, as
             for flat or congruent triangles; empty for most manipulators.
+        ignore_windows: windows that are narrower are ignored; 0: none.
+        ignored_windows: by their places in ``counts``, the intervals that are.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> table = census(EXAMPLES["zein-flat"], start=30, stop=40, digits=15)
@@ -140,12 +146,22 @@ class Census(Pictured):
     range: LengthRange
     aspects: tuple[int | None, ...] = ()
     degenerate: tuple[Degeneracy, ...] = ()
+    ignore_windows: Fraction = Fraction(0)
+    ignored_windows: Mapping[int, IgnoredWindow] = field(default_factory=dict)
+
+    @property
+    def kept_counts(self) -> tuple[int, ...]:
+        """The numbers of cusps in the intervals that are not ignored; in all, if each of them is."""
+        kept = tuple(n for k, n in enumerate(self.counts) if k not in self.ignored_windows)
+        return kept or self.counts
 
     def __repr__(self) -> str:
-        low, high = min(self.counts), max(self.counts)
+        low, high = min(self.kept_counts), max(self.kept_counts)
         cusps = counted(high, "cusp") if low == high else f"{low} to {high} cusps"
         transitions = counted(len(self.transitions), "transition")
-        extra = ", degenerate" if self.degenerate else ""
+        narrow = counted(len(self.ignored_windows), "window")
+        extra = f", {narrow} ignored" if self.ignored_windows else ""
+        extra += ", degenerate" if self.degenerate else ""
         return f"<Census L{self.fixed_leg} {self.range}: {transitions}, {cusps}{extra}, {self.digits} digits>"
 
     def to_json(self) -> dict[str, Any]:
@@ -165,6 +181,7 @@ class Census(Pictured):
                 for t in self.transitions
             ],
             "intervals": self._intervals(),
+            **(self._narrow() if self.ignore_windows else {}),
             "degenerate": [part.to_json() for part in self.degenerate],
             "certificate": dict(self.certificate),
         }
@@ -182,12 +199,20 @@ class Census(Pictured):
         ends[1:1] = [t.length for t in self.transitions]
         return intervals_json(ends, self.counts, self.aspects)
 
+    def _narrow(self) -> dict[str, Any]:
+        windows = [window.to_json() for window in self.ignored_windows.values()]
+        return {"ignore_windows": exact_str(self.ignore_windows), "ignored_windows": windows}
+
     def _records(self) -> list[dict[str, object]]:
         kinds = [*(t.kind.value for t in self.transitions), None]
-        return [
+        records: list[dict[str, object]] = [
             {**interval, "transition_at_end": kind}
             for interval, kind in zip(self._intervals(), kinds, strict=True)
         ]
+        if self.ignore_windows:
+            for k, record in enumerate(records):
+                record["ignored"] = k in self.ignored_windows
+        return records
 
     def _repr_html_(self) -> str:
         notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
@@ -214,6 +239,7 @@ def census(
     digits: int = DEFAULT_DIGITS,
     start: Exact = 0,
     stop: Exact | None = None,
+    ignore_windows: Exact = 0,
     progress: Progress | None = None,
 ) -> Census:
     """Every transition of the slices of one leg, over all lengths > 0 or a range, and the counts between.
@@ -228,26 +254,50 @@ def census(
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         start: the lower end of the range, exact, in the user's unit, excluded; 0 is an open end.
         stop: its upper end, excluded; None is an open end.
+        ignore_windows: a width, exact: intervals that are narrower are listed as ignored.
         progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start`` or ``stop``.
-        SolverError: a transition could not be decided.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start``, ``stop`` or
+            ``ignore_windows``.
+        SolverError: a transition could not be decided, or whether a window is narrower.
 
     >>> from rpr_solver import EXAMPLES
     >>> census(EXAMPLES["zein-flat"], digits=15).counts
     (0, 2, 4, 6, 8, 6, 8, 6, 8, 6, 8, 6, 4)
+    >>> census(EXAMPLES["zein-flat"], digits=15, ignore_windows="0.001").kept_counts
+    (0, 2, 4, 6, 8, 6, 8, 6, 6, 8, 6, 4)
     """
     digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
-    span = LengthRange.of(start, stop)
+    span, narrow = LengthRange.of(start, stop), parse_not_negative(ignore_windows, "ignore_windows")
     check_type(manipulator, Manipulator, "manipulator")
     if manipulator.geometry.shared_joints:
-        return _without_cusps(manipulator, fixed_leg, span, digits)
+        return _without_cusps(manipulator, fixed_leg, span, digits, narrow)
     result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
-    return _census(result, manipulator, span, digits, has_aspects=True)
+    table = _census(result, manipulator, span, digits, has_aspects=True)
+    if not narrow:
+        return table
+    # the groups of events that are transitions, as in the table
+    groups = [group for k, group in enumerate(result.groups) if transition_at(result, k, MIN_DIGITS)]
+    return _without_narrow(table, result.eliminant.slice_map, groups, narrow)
 
 
-def _without_cusps(manipulator: Manipulator, fixed_leg: int, span: LengthRange, digits: int) -> Census:
+def _without_narrow(
+    table: Census, slice_map: SliceMap, groups: Sequence[Sequence[Event]], least: Fraction
+) -> Census:
+    """The census with the intervals that are narrower than a width; their ends are those events."""
+    ends, texts = [table.range.start, *groups, table.range.stop], table.to_json()["intervals"]
+    parts = [
+        Part(start, stop, (text["from"], text["to"]), text["count"])
+        for start, stop, text in zip(ends, ends[1:], texts, strict=False)
+    ]
+    windows = {k: window for k, part in enumerate(parts) if (window := ignored(slice_map, [part], least))}
+    return replace(table, ignore_windows=least, ignored_windows=windows)
+
+
+def _without_cusps(
+    manipulator: Manipulator, fixed_leg: int, span: LengthRange, digits: int, narrow: Fraction
+) -> Census:
     """The census where legs share joints (mathematics.md#shared-joints)."""
     proof: CensusCertificate = {
         "method": "shared-joints",
@@ -256,7 +306,8 @@ def _without_cusps(manipulator: Manipulator, fixed_leg: int, span: LengthRange, 
     }
     slice_map = SliceMap.of(manipulator, fixed_leg, with_shared=True)
     degenerate = shared_degeneracies(slice_map, span, digits)
-    return Census(manipulator, fixed_leg, digits, (), (0,), proof, span, (), degenerate)
+    table = Census(manipulator, fixed_leg, digits, (), (0,), proof, span, (), degenerate)
+    return _without_narrow(table, slice_map, (), narrow)
 
 
 def bare_census(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census:

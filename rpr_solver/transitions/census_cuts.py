@@ -18,6 +18,8 @@ from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.notebook import csv_text, degenerate_words
 from rpr_solver.transitions.degeneracies import Degeneracy
 
+_OF_WINDOWS = ("ignore_windows", "ignored_windows")
+
 
 def restrict_census(
     document: Mapping[str, Any], start: Exact | None, stop: Exact | None, digits: int | None = None
@@ -31,8 +33,8 @@ def restrict_census(
         digits: significant digits of the result, 15 to 10000; None keeps all digits.
 
     Returns:
-        The document, or None if the digits of ``document`` are insufficient to decide: a tie in rounding, or
-        an end within the last digit of a transition.
+        The document, which ignores no windows, or None if the digits of ``document`` are insufficient to
+        decide: a tie in rounding, or an end within the last digit of a transition.
 
     Raises:
         InputError: naming ``start``, ``stop`` or ``digits``.
@@ -59,7 +61,7 @@ def restrict_census(
     first, last = span.to_json().values()
     ends = [first, *(transition[f"l{document['fixed_leg']}"] for transition in inside), last]
     return {
-        **document,
+        **{name: value for name, value in document.items() if name not in _OF_WINDOWS},
         "digits": kept_digits,
         "range": span.to_json(),
         "transitions": inside,
@@ -115,7 +117,8 @@ def census_csv(document: Mapping[str, Any]) -> str:
 
     ``degenerate`` says what is degenerate in each slice of the interval, or in one of them as a whole curve.
     If the events have sensitivities, so has the line: ``sensitivity_a2x`` … of the transition at its end.
-    With a tolerance it has the bounds of this transition, ``transition_from`` and ``transition_to``.
+    With a tolerance it has the bounds of this transition, ``transition_from`` and ``transition_to``. Of a
+    window that is ignored, ``ignored_width`` has the width.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> print(census_csv(census(EXAMPLES["zein-flat"], start=38, stop=39, digits=15).to_json()))
@@ -125,9 +128,12 @@ def census_csv(document: Mapping[str, Any]) -> str:
     """
     leg = f"l{document['fixed_leg']}"
     at_end = {t[leg]: _of_transition(document, t) for t in document["transitions"]}
+    narrow = {(x["from"], x["to"]): x["width"] for x in document.get("ignored_windows", ())}
+    widths = ["ignored_width"] if "ignore_windows" in document else []
     records = [
         {
             **item,
+            **{name: narrow.get((item["from"], item["to"])) for name in widths},
             **at_end.get(item["to"], {}),
             "degenerate": "; ".join(
                 degenerate_words(part, document["fixed_leg"])
@@ -139,7 +145,7 @@ def census_csv(document: Mapping[str, Any]) -> str:
     ]
     columns = ["from", "to", "count", "transition_at_end", "degenerate"]
     more = (name for cells in at_end.values() for name in cells)
-    return csv_text(list(dict.fromkeys([*columns, *more])), records)
+    return csv_text(list(dict.fromkeys([*columns, *widths, *more])), records)
 
 
 def _of_transition(document: Mapping[str, Any], transition: Mapping[str, Any]) -> dict[str, str | None]:

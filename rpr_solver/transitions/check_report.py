@@ -7,7 +7,7 @@ within the limits is constant, and one exact slice gives it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -41,6 +41,7 @@ from rpr_solver.transitions.event_systems import Event, NotGeneric, length_text
 from rpr_solver.transitions.requirement import REFUSED, REQUIRED, Requirement
 from rpr_solver.transitions.shared_joints import shared_degeneracies
 from rpr_solver.transitions.survey import LimitEvents, survey
+from rpr_solver.transitions.windows import IgnoredWindow, Part, narrow_windows
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ class CheckedInterval:
         count: the number of cusps within the limits in each of its slices.
         example: the length of one of its slices, exact, in the user's unit.
         cusps: the cusps of that slice within the limits.
+        is_ignored: whether it is part of a window that is ignored.
 
     >>> CheckedInterval("31.8632047694475", "31.8635738939382", 8, Fraction("31.8633"), cusps=())
     <CheckedInterval 31.863204… to 31.863573…: 8 cusps>
@@ -63,6 +65,7 @@ class CheckedInterval:
     count: int
     example: Fraction
     cusps: tuple[JointPoint, ...]
+    is_ignored: bool = False
 
     def __repr__(self) -> str:
         ends = f"{shortened(self.start)} to {'∞' if self.stop is None else shortened(self.stop)}"
@@ -90,10 +93,13 @@ class CheckReport:
         degenerate: what is degenerate in every slice of an interval, or along a whole curve of one slice,
             within the joint limits or not.
         mode_change: whether the assembly mode can change, as the members of a document; None unless asked.
+        ignored_windows: the windows that the requirement ignores, since they are narrow.
 
     >>> from rpr_solver import EXAMPLES, Requirement, check
     >>> check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
     <CheckReport L1 from 30 to 40: failed in 2 intervals of 6>
+    >>> check(EXAMPLES["zein-flat"], Requirement(start=30, stop=33, max_cusps=6, ignore_windows="0.001"))
+    <CheckReport L1 from 30 to 33: passed of 3, 1 window ignored>
     """
 
     manipulator: Manipulator
@@ -102,10 +108,13 @@ class CheckReport:
     intervals: tuple[CheckedInterval, ...]
     degenerate: tuple[Degeneracy, ...] = ()
     mode_change: Mapping[str, Any] | None = None
+    ignored_windows: tuple[IgnoredWindow, ...] = ()
 
     def __repr__(self) -> str:
         bad, of = len(self.violations), len(self.intervals)
         verdict = f"failed in {counted(bad, 'interval')} of {of}" if bad else f"passed of {of}"
+        if self.ignored_windows:
+            verdict += f", {counted(len(self.ignored_windows), 'window')} ignored"
         if self.degenerate:
             verdict += f", degenerate: {self.requirement.degenerate}"
         leg, span = self.requirement.fixed_leg, self.requirement.range
@@ -116,12 +125,12 @@ class CheckReport:
 
     @property
     def violations(self) -> tuple[CheckedInterval, ...]:
-        """The intervals whose numbers of cusps violate the requirement, ascending."""
-        return tuple(x for x in self.intervals if not self.requirement.admits(x.count))
+        """The intervals whose numbers of cusps violate the requirement, ascending, but for ignored ones."""
+        return tuple(x for x in self.intervals if not x.is_ignored and not self.requirement.admits(x.count))
 
     @property
     def passed(self) -> bool:
-        """Whether every slice of the range satisfies the requirement."""
+        """Whether every slice of the range satisfies the requirement, apart from ignored windows."""
         refused = bool(self.degenerate) and self.requirement.degenerate == REFUSED
         return not self.violations and not refused and self._keeps_mode
 
@@ -136,7 +145,8 @@ class CheckReport:
     def to_json(self) -> dict[str, Any]:
         """The contract's check document; lengths are decimals of ``digits`` digits."""
         leg = self.requirement.fixed_leg
-        counts = [x.count for x in self.intervals]
+        counts = [x.count for x in self.intervals if not x.is_ignored] or [x.count for x in self.intervals]
+        narrow = {"ignored_windows": [window.to_json() for window in self.ignored_windows]}
         return {
             **self.manipulator.identity_json(),
             "requirement": self.requirement.to_json(),
@@ -151,6 +161,7 @@ class CheckReport:
                 }
                 for x in self.violations
             ],
+            **(narrow if self.requirement.ignore_windows else {}),
             "degenerate": [part.to_json() for part in self.degenerate],
             **({} if self.mode_change is None else {"mode_change": dict(self.mode_change)}),
             **about_answer(self.digits),
@@ -164,13 +175,21 @@ class CheckReport:
         return with_floats(self._records())
 
     def _records(self) -> list[dict[str, object]]:
-        return [{**_span(x), "admitted": self.requirement.admits(x.count)} for x in self.intervals]
+        narrow = bool(self.requirement.ignore_windows)
+        return [
+            {
+                **_span(x),
+                "admitted": self.requirement.admits(x.count),
+                **({"ignored": x.is_ignored} if narrow else {}),
+            }
+            for x in self.intervals
+        ]
 
     def _repr_html_(self) -> str:
         degenerate = (
             degenerate_words(part.to_json(), self.requirement.fixed_leg) for part in self.degenerate
         )
-        notes = repr(self.requirement), *degenerate
+        notes = repr(self.requirement), *(repr(x)[1:-1] for x in self.ignored_windows), *degenerate
         return html_table(repr(self)[1:-1], self._records(), notes, first=self.manipulator.remark)
 
 
@@ -204,13 +223,38 @@ def check_counts(
     )
     slice_map = result.eliminant.slice_map
     cuts = [length_text(slice_map, group, digits) for group in result.groups]
-    ends = [exact_str(low), *cuts, exact_or_none(high)]
+    texts = [exact_str(low), *cuts, exact_or_none(high)]
     intervals = []
-    for start, stop, part in zip(ends, ends[1:], result.slices, strict=False):
+    for start, stop, part in zip(texts, texts[1:], result.slices, strict=False):
         cusps = _within(result.eliminant, part.table, requirement)
         intervals.append(CheckedInterval(str(start), stop, len(cusps), part.length, cusps))
     degenerate = degeneracies(result, requirement.range, digits)
-    return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)), degenerate)
+    return _report(manipulator, requirement, digits, slice_map, result.groups, intervals, degenerate)
+
+
+def _report(
+    manipulator: Manipulator,
+    requirement: Requirement,
+    digits: int,
+    slice_map: SliceMap,
+    groups: Sequence[Sequence[Event]],
+    intervals: Sequence[CheckedInterval],
+    degenerate: tuple[Degeneracy, ...],
+) -> CheckReport:
+    """The report of intervals, which end at the groups of events."""
+    ends = [requirement.start, *groups, requirement.stop]
+    parts = [
+        Part(start, stop, (x.start, x.stop), x.count)
+        for start, stop, x in zip(ends, ends[1:], intervals, strict=False)
+    ]
+    narrow, windows = set[int](), []
+    for run, window in narrow_windows(slice_map, parts, requirement.admits, requirement.ignore_windows):
+        if window is not None:
+            windows.append(window)
+            narrow |= set(map(id, run))
+    marked = [replace(x, is_ignored=id(part) in narrow) for x, part in zip(intervals, parts, strict=True)]
+    merged = tuple(_merged(marked))
+    return CheckReport(manipulator, requirement, digits, merged, degenerate, ignored_windows=tuple(windows))
 
 
 def _without_cusps(manipulator: Manipulator, requirement: Requirement, digits: int) -> CheckReport:
@@ -220,7 +264,7 @@ def _without_cusps(manipulator: Manipulator, requirement: Requirement, digits: i
     whole = CheckedInterval(exact_str(low), exact_or_none(high), 0, example, ())
     slice_map = SliceMap.of(manipulator, requirement.fixed_leg, with_shared=True)
     degenerate = shared_degeneracies(slice_map, requirement.range, digits)
-    return CheckReport(manipulator, requirement, digits, (whole,), degenerate)
+    return _report(manipulator, requirement, digits, slice_map, (), (whole,), degenerate)
 
 
 def _limit_cuts(requirement: Requirement, slice_map: SliceMap, events: LimitEvents) -> Iterator[Event]:

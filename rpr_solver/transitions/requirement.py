@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from rpr_solver.contract import check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
-from rpr_solver.exact.rationals import MAX_DIGITS, Exact, parse_exact
+from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_exact, parse_not_negative
 from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_json, read_limits
 
 ALLOWED, REFUSED = "allowed", "refused"
@@ -36,6 +36,9 @@ class Requirement:
         mode_change: ``"required"`` or ``"excluded"``: whether the assembly mode can change without a
             singularity while the fixed leg keeps the range, within the limits; the range then begins at a
             length > 0, and no number of cusps is needed. None: it does not matter.
+        clearance: how far, in degrees, a change of assembly mode keeps from singular poses; 0: any does.
+        ignore_windows: a width, exact: windows of slices with other numbers of cusps are ignored if they are
+            narrower (:mod:`rpr_solver.transitions.windows`); 0 ignores none.
 
     Raises:
         InputError: naming every field at fault, such as ``requirement.max_cusps``.
@@ -55,6 +58,8 @@ class Requirement:
     limits: Mapping[int, Bounds] = field(default_factory=dict)
     degenerate: str = ALLOWED
     mode_change: str | None = None
+    ignore_windows: Fraction = Fraction(0)
+    clearance: Fraction = Fraction(0)
 
     def __init__(
         self,
@@ -66,6 +71,8 @@ class Requirement:
         limits: ExactLimits | None = None,
         degenerate: str = ALLOWED,
         mode_change: str | None = None,
+        ignore_windows: Exact = Fraction(0),
+        clearance: Exact = Fraction(0),
     ) -> None:
         leg = check_leg(fixed_leg, "requirement.fixed_leg")
         problems: list[FieldProblem] = []
@@ -81,6 +88,11 @@ class Requirement:
         most = read(lambda: _count(max_cusps, "requirement.max_cusps"))
         least = read(lambda: _count(min_cusps, "requirement.min_cusps"))
         bounds = read(lambda: read_limits({} if limits is None else limits, "requirement.limits", leg))
+        narrow = read(lambda: parse_not_negative(ignore_windows, "requirement.ignore_windows"))
+        wide = read(lambda: parse_not_negative(clearance, "requirement.clearance"))
+        if wide and mode_change is None:
+            text = "is for changes of assembly mode; give mode_change, too"
+            problems.append(FieldProblem("requirement.clearance", text))
         if max_cusps is None and min_cusps is None and mode_change is None:
             problems.append(FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps"))
         if most is not None and least is not None and most < least:
@@ -94,7 +106,7 @@ class Requirement:
         problems += _of_mode_change(mode_change, span)
         if problems or span is None or bounds is None:
             raise InputError(problems)
-        values = (leg, span.start, span.stop, most, least, bounds, degenerate, mode_change)
+        values = (leg, span.start, span.stop, most, least, bounds, degenerate, mode_change, narrow, wide)
         for own, value in zip(fields(self), values, strict=True):
             object.__setattr__(self, own.name, value)
 
@@ -128,7 +140,7 @@ class Requirement:
         def numbers(part: Mapping[str, Any], name: str, *keys: str) -> Iterator[Fraction | None]:
             for key in keys:
                 text = part.get(key)
-                field = f"requirement.{name}.{key}"
+                field = f"requirement.{name}.{key}".rstrip(".")
                 yield None if text is None else parse_exact(text, field, max_digits=max_digits)
 
         start, stop = numbers(obj.get("range") or {}, "range", "from", "to")
@@ -137,8 +149,9 @@ class Requirement:
             for leg, bounds in (obj.get("limits") or {}).items()
         }
         counts = obj.get("max_cusps"), obj.get("min_cusps")
-        degenerate = obj.get("degenerate", ALLOWED)
-        last = limits, degenerate, obj.get("mode_change")
+        [narrow] = numbers({"": obj.get("ignore_windows")}, "ignore_windows", "")
+        [wide] = numbers({"": obj.get("clearance")}, "clearance", "")
+        last = limits, obj.get("degenerate", ALLOWED), obj.get("mode_change"), narrow or 0, wide or 0
         return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, *last)  # type: ignore[arg-type]
 
     def to_json(self) -> dict[str, Any]:
@@ -152,6 +165,8 @@ class Requirement:
             "limits": limits_json(self.limits),
             "degenerate": self.degenerate,
             **({} if self.mode_change is None else {"mode_change": self.mode_change}),
+            **({"clearance": exact_str(self.clearance)} if self.clearance else {}),
+            **({"ignore_windows": exact_str(self.ignore_windows)} if self.ignore_windows else {}),
         }
 
     def of_cusps_alone(self) -> Requirement:
@@ -161,8 +176,20 @@ class Requirement:
             InputError: it is about changes of assembly mode, too.
         """
         if self.mode_change is not None:
-            raise InputError.of("requirement.mode_change", "is for checks without a tolerance alone")
+            raise InputError.of("requirement.mode_change", "is for checks alone")
         return self
+
+    def counts_alone(self) -> Requirement | None:
+        """The same without changes of assembly mode; None if it bounds no numbers of cusps."""
+        if self.max_cusps is None and self.min_cusps is None:
+            return None
+        kept = {name: x for name, x in self.to_json().items() if name not in ("mode_change", "clearance")}
+        return Requirement.from_json(kept, max_digits=1 << 20)
+
+    def ignoring(self, width: Fraction) -> Requirement:
+        """The same requirement, which ignores windows that are narrower than a width."""
+        changed = {**self.to_json(), "ignore_windows": exact_str(width)}
+        return Requirement.from_json(changed, max_digits=1 << 20)
 
     def admits(self, count: int) -> bool:
         """Whether a slice may have this number of cusps within the limits."""

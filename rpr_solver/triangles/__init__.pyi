@@ -9,6 +9,7 @@ from .geometry import hash_of_canonical as hash_of_canonical
 from .geometry import note_problems as note_problems
 from .geometry import read_geometry as read_geometry
 from .identity import identity_json as identity_json
+from .identity import near_json as near_json
 from .near import Effect as Effect
 from .near import SpecialShape as SpecialShape
 from .near import near_shapes as near_shapes

@@ -71,7 +71,7 @@ class Triangle:
         frame is along."""
         return self.squares[0] or self.squares[2]
 
-    @property
+    @cached_property
     def corner3(self) -> tuple[Fraction, Surd]:
         """Corner 3 as (x, y), where corner 1 is (0, 0) and the axis ends at (1, 0)."""
         a, b, c = self.squares

@@ -6,14 +6,17 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
+from typing import NamedTuple
+
+from flint import arb, fmpq
 
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.claims import Claim, Open, claim_by, demand, open_claim, settled
 from rpr_solver.verify.equations import Mechanism
-from rpr_solver.verify.events import Event
+from rpr_solver.verify.events import Event, decided
 from rpr_solver.verify.listed import Row, agrees
 from rpr_solver.verify.members import POSE_KINDS, RANGE, Document, Leg
-from rpr_solver.verify.numbers import Printed, exact
+from rpr_solver.verify.numbers import POSITIVE, Printed, exact, printed
 from rpr_solver.verify.reader import (
     Read,
     Record,
@@ -22,6 +25,7 @@ from rpr_solver.verify.reader import (
     no_claim,
     nothing_or,
     record,
+    refusal,
     rows,
     text,
     word,
@@ -31,6 +35,8 @@ from rpr_solver.verify.work import Work
 
 _OF_SOLVER = ("method", "lengths_examined", "counts_by", "boxes")
 """What a certificate tells of the solver's way to its answer."""
+_WIDTH_DIGITS = 6
+"""Of windows that are ignored."""
 _UNVERIFIED = ("tolerance", "complete", "open")
 """Members of the census of a tolerance."""
 
@@ -60,7 +66,12 @@ def census_schema(leg: Leg) -> Read:
             "intervals": rows(interval, 1, 1001),
             "certificate": no_claim(record({}, dict.fromkeys(_OF_SOLVER, anything))),
         },
-        {"degenerate": leg.degenerate, **dict.fromkeys(_UNVERIFIED, anything)},
+        {
+            "degenerate": leg.degenerate,
+            **dict.fromkeys(_UNVERIFIED, anything),
+            "ignore_windows": POSITIVE,
+            "ignored_windows": rows(ignored_window(), 0, 1001),
+        },
     )
 
 
@@ -113,6 +124,10 @@ class Census:
         yield claim_by(
             "/degenerate", claim, partial(degenerate, self.survey, self.members.get("degenerate", ()))
         )
+        if ("ignore_windows" in self.members) != ("ignored_windows" in self.members):
+            raise refusal("/ignored_windows", "goes with ignore_windows, or is missing")
+        if "ignore_windows" in self.members:
+            yield claim_by("/ignored_windows", "these windows are ignored, with their widths", self._ignored)
         for name in _UNVERIFIED:
             if name in self.members:
                 yield open_claim(f"/{name}", "about all geometries within a tolerance", "it is not verified")
@@ -194,10 +209,89 @@ class Census:
             counts[n] == self.intervals[n]["count"], f"there are {counts[n]}", "by a slice, and the events"
         )
 
+    def _ignored(self) -> str:
+        self._complete()
+        self._fit()
+        groups = self.survey.groups
+        demand(len(groups) == len(self.transitions), "there are other transitions")
+        ends: list[End] = [self.survey.start, *(group.events[0] for group in groups), self.survey.stop]
+        runs = [
+            Run(row["from"], row["to"], (row["count"],), low, high)
+            for row, low, high in zip(self.intervals, ends, ends[1:], strict=False)
+        ]
+        least, listed = self.members["ignore_windows"], self.members["ignored_windows"]
+        return check_ignored(runs, least, listed, self.mechanism.fixed)
+
     def _aspects(self, n: int) -> str:
         demand(len(self.survey.gaps) == len(self.intervals), f"there are {len(self.survey.gaps)} intervals")
         found = self.survey.aspects(n)
         return demand(found == self.intervals[n]["aspects"], f"there are {found}", "by one slice")
+
+
+End = Fraction | Event | None
+"""An end of a window: exact, an event, or open."""
+
+
+class Run(NamedTuple):
+    """Neighbouring intervals that are one window: its ends as printed and as found, and its numbers."""
+
+    start: str
+    stop: str | None
+    counts: tuple[int, ...]
+    low: End
+    high: End
+
+
+def ignored_window() -> Read:
+    """The members of a window that is ignored."""
+    width = printed(_WIDTH_DIGITS, 0, zero=False)
+    counts = rows(count(0, MOST_CUSPS), 1, 2000)
+    return record({"from": text(), "to": text(), "width": width, "counts": counts})
+
+
+def check_ignored(runs: Sequence[Run], least: Fraction, listed: Sequence[Record], fixed: int) -> str:
+    """Why the windows of a list are those that are narrower than a width.
+
+    Raises:
+        Refused: they are not.
+        Open: it is not decided.
+    """
+    narrow = [run for run in runs if run.high is not None and is_narrower(run, least, fixed)]
+    own = [(run.start, run.stop, run.counts) for run in narrow]
+    given = [(row["from"], row["to"], tuple(row["counts"])) for row in listed]
+    demand(given == own, f"{len(own)} windows are narrower, and these are not they")
+    for run, row in zip(narrow, listed, strict=True):
+        same = decided(lambda bits, x=run, y=row["width"]: y.rounds(width_of(x, fixed, bits)))  # type: ignore[misc]
+        demand(same, f"the window from {run.start} has another width")
+    return "by their ends, which are found anew"
+
+
+def is_narrower(run: Run, least: Fraction, fixed: int) -> bool:
+    """Whether a window is narrower than a width.
+
+    Raises:
+        Open: it is as wide, or nearly so.
+    """
+
+    def compared(bits: int) -> bool | None:
+        excess = width_of(run, fixed, bits) - arb(fmpq(least.numerator, least.denominator))
+        return True if excess < 0 else False if excess > 0 else None
+
+    if isinstance(run.low, Fraction) and isinstance(run.high, Fraction):
+        return run.high - run.low < least
+    return bool(decided(compared))
+
+
+def width_of(run: Run, fixed: int, bits: int) -> arb:
+    """The width of a window that has an upper end; the working precision is that of the caller."""
+
+    def ball(end: End) -> arb:
+        assert end is not None
+        if isinstance(end, Fraction):
+            return arb(fmpq(end.numerator, end.denominator))
+        return end.lengths(bits)[fixed]
+
+    return ball(run.high) - ball(run.low)
 
 
 def degenerate(survey: Survey, listed: Sequence[Record]) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any
 
 from rpr_solver.contract import MOST_CUSPS, Progress
-from rpr_solver.verify.censuses import degenerate, is_text_of
+from rpr_solver.verify.censuses import End, Run, check_ignored, degenerate, ignored_window, is_text_of
 from rpr_solver.verify.claims import Claim, Open, claim_by, demand, open_claim, settled
 from rpr_solver.verify.equations import Mechanism
 from rpr_solver.verify.events import Limit, decided
@@ -51,7 +51,12 @@ def requirement_schema(leg: Leg) -> Read:
             "min_cusps": nothing_or(count()),
             "degenerate": word("allowed", "refused"),
         },
-        {"limits": nothing_or(record({}, dict.fromkeys(leg.free, limit))), "mode_change": _of_modes},
+        {
+            "limits": nothing_or(record({}, dict.fromkeys(leg.free, limit))),
+            "mode_change": _of_modes,
+            "clearance": _of_modes,
+            "ignore_windows": POSITIVE,
+        },
     )
 
 
@@ -70,7 +75,11 @@ def check_schema(leg: Leg) -> Read:
             "violations": rows(record({**interval, "example": example}), 0, 2000),
             "degenerate": leg.degenerate,
         },
-        {"margin": record({}, dict.fromkeys(_MARGIN, anything)), "mode_change": _of_modes},
+        {
+            "margin": record({}, dict.fromkeys(_MARGIN, anything)),
+            "mode_change": _of_modes,
+            "ignored_windows": rows(ignored_window(), 0, 2000),
+        },
     )
 
 
@@ -112,7 +121,26 @@ class _Report:
             length(row["from"], f"/intervals/{n}/from") for n, row in enumerate(self.rows) if n
         ]
         self.counts = [row["count"] for row in self.rows]
-        self.violating = [n for n, number in enumerate(self.counts) if not admits(self.requirement, number)]
+        self.narrow: Fraction | None = self.requirement.get("ignore_windows")
+        if (self.narrow is None) == ("ignored_windows" in self.members):
+            raise refusal("/ignored_windows", "goes with ignore_windows, or is missing")
+        windows = [(row["from"], row["to"]) for row in self.members.get("ignored_windows", ())]
+        self.windows = list(self._runs())
+        self.ignored = {
+            n
+            for places in self.windows
+            if (self.rows[places[0]]["from"], self.rows[places[-1]]["to"]) in windows
+            for n in places
+        }
+        self.violating = [n for places in self.windows for n in places if n not in self.ignored]
+
+    def _runs(self) -> Iterator[list[int]]:
+        """The longest stretches of intervals that violate the requirement: its windows."""
+        for is_admitted, same in groupby(
+            range(len(self.rows)), key=lambda n: admits(self.requirement, self.counts[n])
+        ):
+            if not is_admitted:
+                yield list(same)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         """All of them."""
@@ -130,6 +158,9 @@ class _Report:
         for k, violation in enumerate(violations):
             claim = "a slice of this interval, with its cusps within the limits"
             yield claim_by(f"/violations/{k}/example", claim, partial(self._example, k, violation))
+        if self.narrow is not None:
+            claim = "these windows are ignored, with their widths"
+            yield claim_by("/ignored_windows", claim, partial(self._narrower, self.narrow))
         listed = self.members["degenerate"]
         yield claim_by(
             "/degenerate", "what is degenerate in all slices", partial(degenerate, self.survey, listed)
@@ -151,8 +182,9 @@ class _Report:
         demand(all(x == y for x, y in ends), "an interval does not begin where the one before ends")
         demand(is_text_of(rows[0]["from"], span["from"]), "the first interval does not begin with the range")
         demand(is_text_of(rows[-1]["to"], span["to"]), "the last interval does not end with the range")
-        demand(self.members["max_cusps_found"] == max(self.counts), f"at most {max(self.counts)} are found")
-        demand(self.members["min_cusps_found"] == min(self.counts), f"at least {min(self.counts)} are found")
+        counts = [number for n, number in enumerate(self.counts) if n not in self.ignored] or self.counts
+        demand(self.members["max_cusps_found"] == max(counts), f"at most {max(counts)} are found")
+        demand(self.members["min_cusps_found"] == min(counts), f"at least {min(counts)} are found")
         names = ("from", "to", "count")
         violating = [[rows[n][name] for name in names] for n in self.violating]
         listed = [[row[name] for name in names] for row in self.members["violations"]]
@@ -172,6 +204,23 @@ class _Report:
             wrong = f"it does not change at a length printed as {cut.text}"
             demand(decided(lambda bits, x=event, y=cut: y.rounds(x.lengths(bits)[fixed])), wrong)  # type: ignore[misc]
         return "all events are found anew, in boxes that cover all poses and lengths"
+
+    def _narrower(self, least: Fraction) -> str:
+        """Why the ignored windows are those that are narrower."""
+        self._cut()
+        changes = (self.survey.groups[n].events[0] for n in self._changes)
+        ends: list[End] = [self.survey.start, *changes, self.survey.stop]
+        runs = [
+            Run(
+                self.rows[places[0]]["from"],
+                self.rows[places[-1]]["to"],
+                tuple(self.counts[n] for n in places),
+                ends[places[0]],
+                ends[places[-1] + 1],
+            )
+            for places in self.windows
+        ]
+        return check_ignored(runs, least, self.members["ignored_windows"], self.mechanism.fixed)
 
     @settled
     def _numbers(self) -> list[int]:
@@ -224,6 +273,8 @@ class _Report:
         if margin is not None and not self.violating:
             raise Open("what is said of other geometries is not verified")
         self._cut()
+        if self.narrow is not None:
+            self._narrower(self.narrow)
         for n in range(len(self.rows)):
             self._counted(n)
         degenerate(self.survey, self.members["degenerate"])

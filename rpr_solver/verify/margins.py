@@ -210,6 +210,8 @@ class _Margin:
             start, stop = self._span
             demand(start <= length and (stop is None or length <= stop), "it is a slice beyond the range")
             demand(not admits(self.requirement, number), "it has the property")
+            if "ignore_windows" in self.requirement:
+                raise Open("that the window of this slice is too wide to be ignored is not verified")
         found = self._number(example["geometry"], length)
         return demand(found == number, f"there are {found} cusps", "all are found anew")
 

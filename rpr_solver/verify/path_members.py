@@ -38,7 +38,7 @@ _OF_LEGS = record({}, dict.fromkeys(LEGS, POSITIVE))
 _RANGE = record({"from": POSITIVE, "to": POSITIVE})
 _CLEARANCE = record(
     {
-        "asked": lambda value, at: value if value == "best" else POSITIVE(value, at),
+        "asked": lambda value, at: value if value == "best" else NOT_NEGATIVE(value, at),
         "bound": nothing_or(POSITIVE),
         **dict.fromkeys(("proved", "legs"), NOT_NEGATIVE),
         "radius": nothing_or(POSITIVE),

@@ -34,7 +34,7 @@ Q = TypeVar("Q", bound=Question)
 
 MAX_LOCAL_SLICES = 1_000_000
 
-_OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change")
+_OF_REQUIREMENTS = ("max_cusps", "min_cusps", "degenerate", "mode_change", "ignore_windows", "clearance")
 _ANGLES = ("alpha", *(f"theta{leg}" for leg in FIXED_LEGS))
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
 _OPTIONS["deadline_seconds"] = "--deadline"
@@ -216,7 +216,8 @@ def requirement_if_any(
     Raises:
         InputError: the range is missing, which joint limits need.
     """
-    has_counts = args.max_cusps is not None or args.min_cusps is not None
+    counts = args.max_cusps, args.min_cusps, args.ignore_windows
+    has_counts = any(count is not None for count in counts)
     if args.ranges or (has_counts and not needs_range):
         members, options = requirement_of(args)
         return members, {f"requirement.{name}": option for name, option in options.items()}

@@ -179,6 +179,7 @@ def _census(document: Mapping[str, Any]) -> Page:
         range: the range of lengths; either end may be omitted (default: all)
         tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact
             then. The census must hold for every manipulator within it
+        ignore_windows: a width: windows that are narrower are marked, and do not count in the first line
         sensitivities: say how fast the transition of each event moves when the lengths of the geometry change
 
     examples:
@@ -190,14 +191,8 @@ def _census(document: Mapping[str, Any]) -> Page:
       rpr-cusps census robot.json --l1-range 20:30 --tolerance d1=0.005,a3x=0.001
     """
     leg = f"l{document['fixed_leg']}"
-    intervals, transitions = document["intervals"], document["transitions"]
-    ends = document["range"]
-    below = "" if ends["to"] is None else f" up to {ends['to']}"
-    counts = [interval["count"] for interval in intervals]
-    cusps = counted_range(min(counts), max(counts), "cusp")
-    title = f"{leg.upper()} from {ends['from']}{below}: {cusps}, {counted(len(transitions), 'transition')}"
-    rows = [["from", "to", "cusps", "aspects"]]
-    rows += ([i["from"], i["to"] or "∞", str(i["count"]), str(i.get("aspects") or "")] for i in intervals)
+    transitions = document["transitions"]
+    title, rows = _intervals(document)
     events = [
         {leg: t[leg], "cusps": f"{t['count_before']} → {t['count_after']}", **event}
         for t in transitions
@@ -211,6 +206,22 @@ def _census(document: Mapping[str, Any]) -> Page:
     sections += _sensitivities(leg, transitions)
     sections += _within_tolerance(leg, document)
     return Page(about(document), sections, document["digits"])
+
+
+def _intervals(document: Mapping[str, Any]) -> tuple[str, list[list[str]]]:
+    """The numbers of cusps of a census in one line, without ignored windows, and its intervals as a table."""
+    ends, found = document["range"], document["intervals"]
+    narrow = {(x["from"], x["to"]): x["width"] for x in document.get("ignored_windows", ())}
+    rows = [["from", "to", "cusps", "aspects", *(["ignored, of width"] if narrow else [])]]
+    for x in found:
+        width = [narrow.get((x["from"], x["to"]), "")] if narrow else []
+        rows.append([x["from"], x["to"] or "∞", str(x["count"]), str(x.get("aspects") or ""), *width])
+    counts = [x["count"] for x in found if (x["from"], x["to"]) not in narrow] or [x["count"] for x in found]
+    below = "" if ends["to"] is None else f" up to {ends['to']}"
+    parts = [counted_range(min(counts), max(counts), "cusp")]
+    parts += [counted(len(document["transitions"]), "transition")]
+    parts += [f"{counted(len(narrow), 'window')} ignored"] if narrow else []
+    return f"L{document['fixed_leg']} from {ends['from']}{below}: {', '.join(parts)}", rows
 
 
 def _sensitivities(leg: str, transitions: Sequence[Mapping[str, Any]]) -> Iterator[Section]:

@@ -21,6 +21,7 @@ from rpr_solver.designs.plan import CANCELED, DEADLINE
 from rpr_solver.errors import InputError, NotInstalledError
 from rpr_solver.notebook import counted
 from service.cli import arguments, asking, output, parsers
+from service.cli.check.reports import ignored_words
 from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, rows_of
 from service.cli.parsers import Command
@@ -73,7 +74,7 @@ def _margin(document: Mapping[str, Any]) -> Page:
         values.append(("refuted at", example["radius"]))
     title = f"Margin of {cusps}{place}"
     if document["verdict"] is not None:
-        title += "; radii are multiples of the tolerance"
+        title += "; radii: 1 = the tolerance"
     sections = [Section(title, [["", ""], *([name, text] for name, text in values if text is not None)])]
     if first is not None:
         rows = [{"transition": mover[leg], **mover["sensitivity"]} for mover in first["binding"]]
@@ -143,7 +144,6 @@ def _design_page(document: Mapping[str, Any]) -> Page:
         vary: how far lengths may change: 15% of each, or d1=16:18,a2x=15:17 alone (default: 10%)
         fixed: lengths that keep their values, as a2x,d1
         family: tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror
-        ignore_windows: windows up to this width are ignored by the search, not by the proof
         seed: the seed of the random numbers (default: 1)
 
     examples:
@@ -159,7 +159,6 @@ def _design_page(document: Mapping[str, Any]) -> Page:
         ("met", "yes" if best["met"] else "no"),
         ("margin, proved", None if margin is None else margin["proved"]),
         *_kept(best.get("constraints"), asked["requirement"]["fixed_leg"]),
-        ("narrow windows left", str(len(best["windows_left"])) if asked["ignore_windows"] != "0" else None),
         ("geometries examined", f"{document['censuses']}; stopped: {document['stopped']}"),
     ]
     lengths = {name: x for name, x in best["geometry"].items() if name != "orientation"}
@@ -167,8 +166,10 @@ def _design_page(document: Mapping[str, Any]) -> Page:
     rows = [{"": "best found", **lengths}, {"": "change", **change}]
     trace = [{"census": one["census"], "value": one["value"], **one["geometry"]} for one in document["trace"]]
     shown = [["", ""], *([name, text] for name, text in values if text is not None)]
+    leg, narrow = asked["requirement"]["fixed_leg"], best["check"].get("ignored_windows", ())
+    notes = [f"ignored: {ignored_words(window, leg)}" for window in narrow]
     sections = [
-        Section(f"Best found: {asked['objective']}", shown),
+        Section(f"Best found: {asked['objective']}", shown, notes),
         Section("Geometry", rows_of(rows)),
         Section("Improvements", rows_of(trace)),
     ]

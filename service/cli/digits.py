@@ -21,7 +21,7 @@ such numbers, and a double has no more."""
 _NUMBER = re.compile(r"-?(\d+\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _LENGTHS = ("from", "to", *LEGS)
 _MOST = 1000
-_LISTS = ("intervals", "transitions", "curves", "violations")
+_LISTS = ("intervals", "transitions", "curves", "violations", "ignored_windows")
 
 
 def printed(document: dict[str, Any], digits: int, ask: Callable[[int], dict[str, Any]]) -> dict[str, Any]:

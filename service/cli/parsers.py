@@ -359,6 +359,13 @@ def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
     parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
     parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
     add_limits(parser)
+    add_ignored(parser)
+
+
+def add_ignored(parser: argparse.ArgumentParser) -> None:
+    """Add `--ignore-windows`."""
+    text = "a width: windows of other numbers of cusps that are narrower are ignored, and listed"
+    parser.add_argument("--ignore-windows", metavar="X", help=text)
 
 
 def actions_of(parser: argparse.ArgumentParser) -> Callable[[Callable[..., None], str], Any]:

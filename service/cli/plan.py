@@ -10,7 +10,18 @@ import rpr_solver
 from rpr_solver.contract import LEGS, letter
 from rpr_solver.notebook import counted
 from service.cli.asking import command
-from service.cli.pages import SIGNS, Page, Section, about, all_legs, ends_in_words, nearby, rows_of
+from service.cli.check.reports import short
+from service.cli.pages import (
+    SIGNS,
+    Page,
+    Section,
+    about,
+    all_legs,
+    ends_in_words,
+    nearby,
+    rows_of,
+    tolerance_words,
+)
 
 _SHOWN_ROWS = 25
 
@@ -175,7 +186,9 @@ def _modes(document: Mapping[str, Any]) -> Page:
     """Decide whether the assembly mode can change without a singularity: whether some joint vector of a
     slice, or of a range of the fixed leg, has two poses that a path joins, within joint limits.
 
-    That it can is shown by such a path. That it cannot is proved for all joint vectors.
+    That it can is shown by such a path, whose clearance from singular poses is told. That it cannot is
+    proved for all joint vectors. With --clearance and --tolerance the answer is about changes that keep so
+    far from singular poses, with parts so exact.
 
     Exit status: 0 possible or impossible, 1 undecided, 2 bad input.
 
@@ -183,9 +196,13 @@ def _modes(document: Mapping[str, Any]) -> Page:
         l1: the length of the fixed leg in a slice
         range: or the lengths between which it may vary; 45: has no upper end
         limits: another leg
+        clearance: how far a change must keep from singular poses, in degrees
+        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
+            then): the answer must hold within it
 
     examples:
       rpr-cusps assembly-modes innocenti --l1 27
+      rpr-cusps assembly-modes innocenti --l1 27 --clearance 0.5 --tolerance 0.05
       rpr-cusps assembly-modes innocenti --l1-range 0.05:0.1
       rpr-cusps assembly-modes robot.json --l1-range 20:30 --l2-limits 12:30 --l3-limits 12:30
       rpr-cusps assembly-modes robot.json --l1-range 45: --l2-limits :20
@@ -194,7 +211,9 @@ def _modes(document: Mapping[str, Any]) -> Page:
     span = asked.get("range")
     where = f"L{leg} = {asked[f'l{leg}']}" if span is None else f"L{leg} {ends_in_words(span)}"
     limited = "" if asked["limits"] is None else ", within the joint limits"
-    title = f"{where}{limited}: a change of assembly mode is {document['change']}"
+    wide = f", {asked['clearance']} degrees off singular poses" if "clearance" in asked else ""
+    within = f", with {tolerance_words(asked['tolerance'])}" if "tolerance" in asked else ""
+    title = f"{where}{limited}: a change of assembly mode{wide}{within} is {document['change']}"
     sections = [Section(title, (), list(_notes_of_modes(document)))]
     if document["regions"] is not None:
         rows = [
@@ -211,10 +230,18 @@ def _notes_of_modes(document: Mapping[str, Any]) -> Iterator[str]:
         cusp = witness["path"]["cusp"]
         kind = "a path" if cusp is None else f"a loop round cusp {letter(cusp)}"
         yield f"Proved by {kind} from pose {witness['from']} to pose {witness['to']} of {all_legs(witness)}."
+        kept = short(witness["path"]["clearance"]["proved"])
+        yield f"It keeps at least {kept} degrees off all singular poses."
+        if "tolerance" in document["asked"]:
+            own = document["asked"].get("clearance")
+            off = "" if own is None else f", at least {own} degrees off its singular poses"
+            yield f"Every geometry within the tolerance can change its mode along it{off}."
     elif document["change"] == "impossible":
         proof = document["certificate"]
         how = _THEOREMS.get(proof["method"]) or f"{proof['pairs']} pairs of boxes"
-        yield f"Proved by {how}: every aspect maps one to one."
+        what = "region" if proof["method"] == "regions" else "aspect"
+        of_all = ", for every geometry within the tolerance" if "tolerance" in document["asked"] else ""
+        yield f"Proved by {how}: every {what} maps one to one{of_all}."
     else:
         yield f"Neither a path nor a proof was found: {document['reason']}."
 
@@ -242,9 +269,13 @@ def _connections(document: Mapping[str, Any]) -> Page:
         limits: a leg, along the whole paths
         parts: count the parts of the allowed region, too, with the poses in each: of all poses that are not
             singular, in the slice or in the range, and keep the limits
+        clearance: how far the paths must keep from singular poses, in degrees
+        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
+            then), for which the paths must exist
 
     examples:
       rpr-cusps pose-connections innocenti --l1 27 --l2 25.7 --l3 9.2
+      rpr-cusps pose-connections innocenti --l1 27 --l2 25.7 --l3 9.2 --clearance 5
       rpr-cusps pose-connections innocenti --l1 27 --l2 25.7 --l3 9.2 --between 27:30
       rpr-cusps pose-connections innocenti --l1 27 --l2 20 --l3 20 --l2-limits :22 --parts
       rpr-cusps pose-connections innocenti --l1 27 --l2 20 --l3 20 --to l1=30,l2=21,l3=19

@@ -44,6 +44,7 @@ def census(
     stop: Exact | None = None,
     sensitivities: bool | None = None,
     tolerance: Exact | Mapping[str, Exact] | None = None,
+    ignore_windows: Exact | None = None,
     deadline: float | None = None,
 ) -> Asked[Census]:
     """Every length at which the number of cusps changes."""
@@ -173,7 +174,6 @@ def design(
     family: Literal['isosceles-1', 'isosceles-2', 'isosceles-3', 'similar', 'congruent', 'mirror'] | None = None,
     decimals: int | None = None,
     min_height: Exact | None = None,
-    ignore_windows: Exact | None = None,
     loop: Literal['required', 'excluded'] | None = None,
     min_aspects: int | None = None,
     max_aspects: int | None = None,
@@ -294,6 +294,8 @@ def pose_connections(
     between: tuple[Exact, Exact] | None = None,
     limits: ExactLimits | None = None,
     parts: bool | None = None,
+    clearance: Exact | str | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     digits: int | None = None,
     deadline: float | None = None,
 ) -> Asked[PoseConnections]:
@@ -306,6 +308,8 @@ def assembly_modes(
     fixed_leg: int | None = None,
     between: tuple[Exact, Exact | None] | None = None,
     limits: ExactLimits | None = None,
+    clearance: Exact | str | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     deadline: float | None = None,
 ) -> Asked[AssemblyModes]:
     """Whether the assembly mode can change without a singularity, in a slice or in a range."""

@@ -6,7 +6,9 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from rpr_solver import CHECK_DIGITS, Requirement
+from rpr_solver import CHECK_DIGITS, Requirement, exact_str
+from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import parse_not_negative
 from service.schemas.answers import (
     CSV,
     DEGENERATE,
@@ -17,6 +19,7 @@ from service.schemas.answers import (
     ClosedRange,
     Counterexample,
     Cusp,
+    Decimal,
     Degeneracy,
     DocumentHead,
     FirstOrder,
@@ -33,7 +36,7 @@ from service.schemas.document import Document, given, unnamed
 from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, Tolerance, changes_json, range_field
 from service.schemas.limits import Detail, Model
 from service.schemas.modes import ModeChange
-from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
+from service.schemas.numbers import Count, Digits, Exact, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Question
 from worker.answers.censuses import CENSUS, CHECK
 
@@ -95,6 +98,18 @@ class CensusInterval(Interval):
     aspects: int | None = None
 
 
+class IgnoredWindow(Detail, ClosedRange):
+    """A window that is ignored since it is narrow.
+
+    Attributes:
+        width: Its width within the range, rounded to six digits.
+        counts: The numbers of cusps of the intervals that make it up, ascending in length.
+    """
+
+    width: Decimal
+    counts: list[int]
+
+
 class OpenRange(Model):
     """Lengths about which not all is proved."""
 
@@ -122,6 +137,8 @@ class Census(DocumentHead):
 
     Attributes:
         certificate: What the completeness of the census rests on.
+        ignore_windows: Present if the question has it.
+        ignored_windows: Present with `ignore_windows`: the intervals that are narrower.
         tolerance: The greatest change of each length, if the question has one.
         complete: Present with a `tolerance`: whether every geometry within it has these transitions, in this
             order, each between its `from` and `to`, with these numbers of cusps between, and no others.
@@ -134,6 +151,8 @@ class Census(DocumentHead):
     intervals: list[CensusInterval]
     degenerate: list[Degeneracy] = DEGENERATE
     certificate: CensusCertificate
+    ignore_windows: str | None = optional()
+    ignored_windows: list[IgnoredWindow] | None = optional()
     tolerance: dict[str, str] | None = optional()
     complete: bool | None = optional()
     open: list[OpenRange] | None = optional()
@@ -161,6 +180,11 @@ class RequirementDocument(Document):
         mode_change: Whether a change of assembly mode without a singularity must be possible, or impossible,
             while the fixed leg keeps the range, within the limits. The range then begins at a length > 0; it
             may have no upper end.
+        clearance: With `mode_change`: how far, in degrees, a change keeps from singular poses, as for
+            `/v1/assembly-modes`.
+        ignore_windows: A width in the unit of the lengths. A window of the requirement is a longest stretch
+            of lengths in the range whose slices all have another number of cusps than is required; one that
+            is narrower is ignored, and listed.
     """
 
     model_config = ConfigDict(title="Requirement", json_schema_extra=_A_BOUND)
@@ -174,13 +198,18 @@ class RequirementDocument(Document):
     limits: JointLimits | None = None
     degenerate: Literal["allowed", "refused"] = "allowed"
     mode_change: Literal["required", "excluded"] | None = None
+    ignore_windows: Exact | None = given()
+    clearance: Exact | None = given()
 
     def to_requirement(self) -> Requirement:
         """Returns the requirement as the solver takes it."""
         limits = {} if self.limits is None else self.limits.bounds()
         counts = self.max_cusps, self.min_cusps
         last = self.degenerate, self.mode_change
-        return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, *last)
+        narrow, wide = self.ignore_windows or 0, self.clearance or 0
+        return Requirement(
+            self.fixed_leg, *self.range.ends, *counts, limits, *last, ignore_windows=narrow, clearance=wide
+        )
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
@@ -227,7 +256,11 @@ class CheckReport(Model):
 
     Attributes:
         passed: Whether the requirement is proved; with a tolerance, for every geometry within it.
-        violations: The windows with too many or too few cusps, ascending; empty if there are none.
+        max_cusps_found: The largest number of cusps, outside of ignored windows.
+        min_cusps_found: The smallest one.
+        violations: The intervals with too many or too few cusps, ascending, without ignored ones; empty if
+            there are none.
+        ignored_windows: Present with `ignore_windows` in the requirement: the windows that are narrower.
         margin: Present with a `tolerance` in the question.
         mode_change: Present with `mode_change` in the requirement.
     """
@@ -241,6 +274,7 @@ class CheckReport(Model):
     min_cusps_found: int
     intervals: list[Interval]
     violations: list[Violation]
+    ignored_windows: list[IgnoredWindow] | None = optional()
     degenerate: list[Degeneracy] = DEGENERATE
     solver_version: str
     digits: int
@@ -267,6 +301,8 @@ class CensusRequest(Question):
             change.
         tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
             exact: the census must hold for every geometry within it.
+        ignore_windows: A width: the intervals between transitions that are narrower are listed. Not for a
+            census with a tolerance.
     """
 
     kinds = (CENSUS,)
@@ -274,7 +310,7 @@ class CensusRequest(Question):
     tag = "censuses"
     summary = "Every length at which the number of cusps changes"
     answer = Census
-    columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance")
+    columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities", "tolerance", "ignore_windows")
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
 
     fixed_leg: FixedLeg = fixed_leg_field()
@@ -283,6 +319,14 @@ class CensusRequest(Question):
 
     sensitivities: Flag = False
     tolerance: Tolerance | None = given()
+    ignore_windows: Exact | None = given()
+
+    @model_validator(mode="after")
+    def _is_of_one_geometry(self) -> Self:
+        if self.tolerance is not None and self.ignore_windows is not None:
+            raise InputError.of("ignore_windows", "is for censuses without a tolerance; a margin takes both")
+        parse_not_negative(self.ignore_windows or 0, "ignore_windows")
+        return self
 
     @property
     def takes_shared_joints(self) -> bool:
@@ -291,9 +335,11 @@ class CensusRequest(Question):
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        content = self.model_dump(exclude={"tolerance"})
+        content = self.model_dump(exclude={"tolerance", "ignore_windows"})
         if not content["sensitivities"]:
             del content["sensitivities"]
+        if self.ignore_windows:
+            content["ignore_windows"] = exact_str(self.ignore_windows)
         return content if self.tolerance is None else {**content, "tolerance": changes_json(self.tolerance)}
 
 
@@ -308,7 +354,8 @@ class CheckRequest(Question):
     change; undecided is not passed. If the requirement is violated, the response is 200 with `passed` false.
 
     With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then
-    has the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
+    has the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`. A change of
+    assembly mode must be possible, or impossible, for every geometry within it, too.
 
     Attributes:
         tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
@@ -330,12 +377,6 @@ class CheckRequest(Question):
     def takes_shared_joints(self) -> bool:
         """It is answered, but not for neighbouring geometries."""
         return self.tolerance is None
-
-    @model_validator(mode="after")
-    def _is_for_one_geometry(self) -> Self:
-        if self.tolerance is not None:
-            self.requirement.to_requirement().of_cusps_alone()
-        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

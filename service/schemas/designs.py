@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator, ValidationInfo, model_validator
@@ -28,7 +27,6 @@ from service.schemas.answers import (
     DocumentHead,
     Forms,
     GeometryText,
-    Interval,
     csv_form,
     optional,
 )
@@ -129,10 +127,9 @@ class BestFound(Model):
             (`most-cusps`), or the requirement is proved.
         change: What was added to each length of the given geometry.
         census: Its census over the range.
-        check: The check of the requirement.
+        check: The check of the requirement, with the windows that it ignores.
         margin: If it is met: how far it may change before the requirement is lost, or the requirement within
             the longest part but for a tenth at each end, or the largest number of cusps.
-        windows_left: Windows that violate the requirement, but are so narrow that the search ignores them.
         constraints: What is proved of `loop`, `min_aspects` and `max_aspects`, if one of them was asked for.
     """
 
@@ -143,7 +140,6 @@ class BestFound(Model):
     census: Census
     check: CheckReport
     margin: Margin | None
-    windows_left: list[Interval]
     constraints: KeptConstraints | None = optional()
 
 
@@ -187,7 +183,6 @@ class DesignRequest(Question):
         family: A tie between the lengths, which then depend on fewer parameters.
         decimals: The number of decimals to which what varies is rounded.
         min_height: The least height of both triangles; a hundredth of their longest sides if missing.
-        ignore_windows: The search ignores windows of at most this width; the answer lists those that remain.
         loop: `required`: in some slice of the range, a loop round a cusp must be proved within the joint
             limits. `excluded`: no slice of the range may have one.
         min_aspects: The least number of aspects of every slice of the range, whatever the joint limits.
@@ -214,7 +209,6 @@ class DesignRequest(Question):
     )
     decimals: Annotated[int, whole_from(0, MOST_DECIMALS)] = DEFAULT_DECIMALS
     min_height: Exact | None = given()
-    ignore_windows: Exact = Fraction(0)
     loop: Literal["required", "excluded"] | None = given()
     min_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given()
     max_aspects: Annotated[int, whole_from(1, MOST_ASPECTS)] | None = given()

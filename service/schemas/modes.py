@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, ValidationInfo, model_validator
 
+from rpr_solver import exact_str
 from rpr_solver.contract import PATH_DIGITS
+from rpr_solver.exact.rationals import parse_positive
 from rpr_solver.model.lengths import LengthRange
 from service.schemas.answers import (
     JSON,
@@ -14,6 +17,7 @@ from service.schemas.answers import (
     PICTURE_FORM,
     SVG,
     ClosedRange,
+    Decimal,
     DocumentHead,
     Forms,
     optional,
@@ -21,15 +25,18 @@ from service.schemas.answers import (
 from service.schemas.document import Document, Source, given
 from service.schemas.lengths import (
     OF_THE_FIXED_LEG,
+    Changes,
     JointLimits,
     KeptLimits,
     OneSlice,
     SlicesOfOneLeg,
+    Tolerance,
+    changes_json,
     limits_member,
 )
 from service.schemas.limits import Detail, Model
 from service.schemas.motions import Legs, NearbyPose, Path, PathResolution, PoseOnPath
-from service.schemas.numbers import Digits, FixedLeg, Flag, Length, digits_field, fixed_leg_field
+from service.schemas.numbers import Digits, FixedLeg, Flag, Length, Positive, digits_field, fixed_leg_field
 from service.schemas.paths import AskedJoints, Between
 from service.schemas.questions import Question, check_one
 from worker.answers.paths import CONNECTIONS, MODES
@@ -67,15 +74,22 @@ class ModeCertificate(Detail):
     """How the answer is proved.
 
     Attributes:
-        method: `witness`: by the path. `folds`: by pairs of boxes of poses, none of which can hold folds of
-            one joint vector. `similar`: base and platform are similar triangles of one sense, all aspects of
-            which map one to one. `shared-joints`: so do those of machines whose legs share a joint. null if
-            it is not proved.
+        method: `witness`: by the path. `regions`: the poses that keep the `clearance` are in regions, none
+            of which holds two poses of one joint vector, by pairs of boxes. `folds`: by pairs of boxes of
+            poses, none of which can hold folds of one joint vector. `similar`: base and platform are similar
+            triangles of one sense, all aspects of which map one to one. `shared-joints`: so do those of
+            machines whose legs share a joint. null if it is not proved.
         pairs: The number of pairs of boxes that were examined; null if there was no need.
     """
 
-    method: Literal["witness", "folds", "similar", "shared-joints"] | None
+    method: Literal["witness", "folds", "regions", "similar", "shared-joints"] | None
     pairs: int | None
+
+
+_BEST = (
+    "If a clearance or a tolerance leaves it undecided: the greatest clearance of a path that was found to "
+    "change the mode, in degrees."
+)
 
 
 class ModeChange(Detail):
@@ -84,6 +98,7 @@ class ModeChange(Detail):
     change: Literal["possible", "impossible", "undecided"]
     witness: ModeWitness | None = Field(description="null unless it is possible.")
     reason: str | None = Field(description="Why it is undecided; null if it is not.")
+    best_clearance: Decimal | None = optional(_BEST)
     certificate: ModeCertificate
 
 
@@ -91,11 +106,12 @@ class AssemblyModes(DocumentHead):
     """Whether the assembly mode can change without a singularity.
 
     Attributes:
-        asked: The slice (`l1`, `l2` or `l3`) or the `range`, and the `limits`.
+        asked: The slice (`l1`, `l2` or `l3`) or the `range`, the `limits`, and the `clearance` and the
+            `tolerance` if they are asked for.
         change: Whether two poses of one joint vector are joined by a path without a singularity, in the
             slice, or while the fixed leg keeps the range, within the limits. `possible` and `impossible` are
             proved.
-        witness: null unless a change is possible.
+        witness: null unless a change is possible. Its path has its `clearance`.
         regions: The regions of the slice, or those of the slices at both ends of the range, with the poses
             that are joined in the slice or in the range. null with limits, if the range has no upper end, or
             if the singular curves are not supported.
@@ -107,6 +123,7 @@ class AssemblyModes(DocumentHead):
     witness: ModeWitness | None
     regions: list[JoinedRegion] | None
     reason: str | None
+    best_clearance: Decimal | None = optional(_BEST)
     certificate: ModeCertificate
 
 
@@ -132,6 +149,10 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     example round a cusp. If not, it is proved that every aspect maps one to one; that there is no cusp does
     not prove it. The regions of the joint plane say which of their poses are joined.
 
+    With `clearance` a path must keep that far from singular poses, and with `tolerance` every geometry
+    within it must be able to follow one; or it is proved that none can. Else it is `undecided`, with the
+    greatest clearance that was found.
+
     A worker takes a fraction of a second for a slice, and some seconds for a range.
     """
 
@@ -151,11 +172,19 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
     l3: Length | None = given("The length, with `fixed_leg` 3.")
     range: ModeRange | None = given("The lengths between which the fixed leg may vary, instead of a slice.")
     limits: JointLimits | None = given("Joint limits of the other legs, an end of which may be missing.")
+    clearance: Positive | None = given(
+        "How far all poses of a change must keep from singular poses, in degrees of α and the fixed leg's "
+        "angle."
+    )
+    tolerance: Tolerance | None = given(
+        "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
+        "answer must hold for every geometry within it."
+    )
 
     @property
     def takes_shared_joints(self) -> bool:
-        """It is answered."""
-        return True
+        """It is answered, but not for neighbouring geometries."""
+        return self.tolerance is None
 
     @model_validator(mode="after")
     def _is_one_question(self, info: ValidationInfo) -> Self:
@@ -163,13 +192,15 @@ class AssemblyModesRequest(SlicesOfOneLeg, OneSlice):
         if self.range is not None:
             LengthRange.of(self.range.start, self.range.stop, ("range.from", "range.to"))
         limits_member(self.limits, fixed_leg=self.fixed_leg)
+        _check_clearance(self.clearance)
         return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         free = {} if self.range is None else {"range": self.range.model_dump()}
         limits = limits_member(self.limits, fixed_leg=self.fixed_leg)
-        return {**self._of_slice(), **free, **limits, "digits": PATH_DIGITS}
+        thresholds = _thresholds(self.clearance, self.tolerance)
+        return {**self._of_slice(), **free, **limits, **thresholds, "digits": PATH_DIGITS}
 
 
 class ConnectedPose(PoseOnPath):
@@ -226,6 +257,13 @@ class UndecidedPair(Detail):
     near: NearbyPose
 
 
+class PathFound(Detail):
+    """The widest path that was found between two poses."""
+
+    poses: list[int] = Field(description="Their places in `poses`, from 1.")
+    clearance: Decimal = Field(description="How far it keeps from singular poses, in degrees, proved.")
+
+
 class PoseConnections(DocumentHead):
     """Which poses are joined by paths without a singularity.
 
@@ -247,6 +285,9 @@ class PoseConnections(DocumentHead):
         undecided: Pairs that joint limits leave undecided, with a pose near which they do; missing if there
             are none. Pairs that follow from others may be left out.
         allowed: The parts of the allowed region; missing unless requested.
+        clearance: How far the paths keep from singular poses, in degrees; missing unless requested.
+        tolerance: How much each length may be off; missing unless requested.
+        paths: With a clearance or a tolerance: the clearances of the widest paths that were found.
     """
 
     l1: str | None = optional()
@@ -265,6 +306,7 @@ class PoseConnections(DocumentHead):
                 "opposite-signs",
                 "other-aspect",
                 "separated-by-limits",
+                "too-narrow",
                 "undecided",
             ]
         ]
@@ -272,6 +314,9 @@ class PoseConnections(DocumentHead):
     resolution: PathResolution | None
     undecided: list[UndecidedPair] | None = optional()
     allowed: AllowedRegion | None = optional()
+    clearance: str | None = optional()
+    tolerance: dict[str, str] | None = optional()
+    paths: list[PathFound] | None = optional()
 
 
 class PoseConnectionsRequest(Question):
@@ -281,7 +326,8 @@ class PoseConnectionsRequest(Question):
     reason why none does, as `/v1/paths` gives it for one pair. The fixed leg is held, or may vary within
     `between`; with two joint vectors it may vary between its lengths at both. With `limits` the paths keep
     joint limits. `groups` has the poses that are joined with each other. With `Accept: image/svg+xml` the
-    matrix is drawn.
+    matrix is drawn. With `clearance` poses are joined by paths that keep that far from singular poses, and
+    with `tolerance` by paths of every geometry within it.
 
     A worker takes a fraction of a second without limits, and some seconds with limits in a range.
 
@@ -296,6 +342,9 @@ class PoseConnectionsRequest(Question):
             missing.
         parts: Whether the parts of the allowed region are counted, too, with the poses in each: of all poses
             with J ≠ 0, in the slice or in the range, that keep the limits.
+        clearance: How far the paths must keep from singular poses, in degrees of α and the fixed leg's angle.
+        tolerance: A change of all lengths of the geometry, or those of single lengths, the others being
+            exact: the paths must exist for every geometry within it.
     """
 
     expected = "send an object with geometry, l1, l2 and l3"
@@ -314,16 +363,31 @@ class PoseConnectionsRequest(Question):
     between: Between = given()
     limits: JointLimits = given()
     parts: Flag = False
+    clearance: Positive | None = given()
+    tolerance: Tolerance | None = given()
     digits: Digits = digits_field(PATH_DIGITS)
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
         limits_member(self.limits, held=self.fixed_leg)
+        _check_clearance(self.clearance)
         return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        content = self.model_dump(exclude={"limits"}, exclude_none=True)
+        content = self.model_dump(exclude={"limits", "clearance", "tolerance"}, exclude_none=True)
         if not self.parts:
             del content["parts"]
-        return {**content, **limits_member(self.limits, held=self.fixed_leg)}
+        thresholds = _thresholds(self.clearance, self.tolerance)
+        return {**content, **limits_member(self.limits, held=self.fixed_leg), **thresholds}
+
+
+def _check_clearance(clearance: Fraction | None) -> None:
+    if clearance is not None:
+        parse_positive(clearance, "clearance")
+
+
+def _thresholds(clearance: Fraction | None, tolerance: Fraction | Changes | None) -> dict[str, Any]:
+    """A clearance and a tolerance in canonical form, without what is not asked for."""
+    found: dict[str, Any] = {} if clearance is None else {"clearance": exact_str(clearance)}
+    return found if tolerance is None else {**found, "tolerance": changes_json(tolerance)}

@@ -75,9 +75,11 @@ def without(value: Any, ignored: Collection[str]) -> Any:
 
 
 def geometry(rng: random.Random) -> Json:
-    """A manipulator, now and then of a degenerate family."""
-    if rng.random() < 0.25:
+    """A manipulator, now and then of a degenerate family, or with roots."""
+    if (draw := rng.random()) < 0.25:
         return dict(zip(NAMES, rng.choice(list(FAMILIES.values())), strict=True))
+    if draw < 0.35:
+        return with_roots(rng)
     places, size = rng.choice([(0, 12), (1, 30), (2, 30), (4, 20)])
     unit = 10**places
     a2x, a3x, a3y = (rng.randint(-size * unit, size * unit) or 1 for _ in range(3))
@@ -87,8 +89,27 @@ def geometry(rng: random.Random) -> Json:
     return dict(zip(NAMES, [*sides, rng.choice(["ccw", "cw"])], strict=True))
 
 
+def with_roots(rng: random.Random) -> Json:
+    """A manipulator with irrational sides."""
+    square, side, scale = rng.choice([2, 3, 5, 7, 11]), rng.randint(2, 30), rng.randint(1, 4)
+    platform = {
+        "sides": [
+            f"{scale}*sqrt({rng.randint(2, 40)})",
+            str(scale * 5),
+            f"{scale}*sqrt({rng.randint(12, 60)})",
+        ]
+    }
+    return {
+        "base": {"equilateral": f"{side}*sqrt({square})"},
+        "platform": rng.choice([{"equilateral": str(rng.randint(1, 300) / 10)}, platform]),
+        "orientation": rng.choice(["ccw", "cw"]),
+    }
+
+
 def joint_vector(rng: random.Random, of: Json) -> Json:
     """Leg lengths near those of a random pose, so that there are poses."""
+    if "base" in of:
+        return {leg: str(rng.randint(100, 3000) / 100) for leg in LEGS}
     a2x, a3x, a3y, d1, d2, d3 = (float(of[name]) for name in NAMES[:6])
     size = max(abs(a2x), abs(a3x), abs(a3y), d1)
     b1 = complex(rng.uniform(-size, size), rng.uniform(-size, size))

@@ -26,9 +26,9 @@ from worker.answers.kind import (
     known_document,
 )
 
-SENSITIVITIES, TOLERANCE = "sensitivities", "tolerance"
+SENSITIVITIES, TOLERANCE, IGNORE_WINDOWS = "sensitivities", "tolerance", "ignore_windows"
 """Members of a question about the same census: for the sensitivities of its events, or all geometries within
-a tolerance."""
+a tolerance, or for the intervals that are narrow."""
 _BOXES_SECONDS = 6.0
 
 
@@ -39,7 +39,7 @@ def derive(request: JobRequest, store: Store) -> Document | None:
 
 
 def _is_plain(request: JobRequest) -> bool:
-    return SENSITIVITIES not in request.content and TOLERANCE not in request.content
+    return request.content.keys().isdisjoint({SENSITIVITIES, TOLERANCE, IGNORE_WINDOWS})
 
 
 def _without(request: JobRequest, member: str) -> JobRequest:
@@ -56,9 +56,11 @@ def _moved(request: JobRequest, store: Store) -> Document | None:
 
 
 def _with_more(request: JobRequest, store: Store, progress: Progress) -> Document:
-    """The same census with sensitivities, or for all geometries within a tolerance."""
+    """The same census with sensitivities, for all geometries within a tolerance, or with what is narrow."""
     if SENSITIVITIES in request.content:
         return rpr_solver.with_sensitivities(answer(_without(request, SENSITIVITIES), store, progress))
+    if IGNORE_WINDOWS in request.content:
+        return solved(request, progress)  # its decimals may not tell how wide an interval is
     part = answer(_without(request, TOLERANCE), store, progress)
     whole = answer(_whole(request, request.digits), store, progress)
     return rpr_solver.within_tolerance(whole, part, request.content[TOLERANCE], progress=progress).to_json()
@@ -108,6 +110,7 @@ def solved(request: JobRequest, progress: Progress) -> Document:
         digits=request.digits,
         start=start,
         stop=stop,
+        ignore_windows=request.content.get(IGNORE_WINDOWS, 0),
         progress=progress,
     ).to_json()
 
@@ -181,6 +184,9 @@ def check(request: JobRequest, store: Store, progress: Progress) -> Document:
             request.manipulator, requirement, digits=request.digits, progress=progress
         ).to_json()
     first, second = in_turn(progress)
+    wish = Requirement.from_json(content["requirement"], max_digits=1 << 20)
+    if wish.mode_change is not None:
+        return _with_mode_change(replace(request, content=content), wish, store, (first, second), tolerance)
     report = answer(replace(request, content=content), store, first)
     if not report["passed"]:
         return within_tolerance(report, None, tolerance)
@@ -188,6 +194,26 @@ def check(request: JobRequest, store: Store, progress: Progress) -> Document:
     question = replace(margin_request(request.geometry, asked, tolerance), points=request.points)
     found = answer(question, store, second)
     return within_tolerance(report, found, tolerance)
+
+
+def _with_mode_change(
+    request: JobRequest,
+    wish: Requirement,
+    store: Store,
+    progress: tuple[Progress, Progress],
+    tolerance: Mapping[str, str],
+) -> Document:
+    """A report on changes of assembly mode for all geometries within a tolerance, and on numbers of cusps if
+    these are required, too."""
+    report = rpr_solver.check(
+        request.manipulator, wish, digits=request.digits, tolerance=tolerance, progress=progress[0]
+    )
+    document, counts = report.to_json(), wish.counts_alone()
+    if counts is None:
+        return document
+    content = {**request.content, "requirement": counts.to_json(), "tolerance": tolerance}
+    own = answer(replace(request, content=content), store, progress[1])
+    return {**document, "passed": report.passed and own["passed"], "margin": own["margin"]}
 
 
 def margin_request(geometry: Canonical, asked: Mapping[str, Any], tolerance: Mapping[str, str]) -> JobRequest:

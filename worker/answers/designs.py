@@ -22,7 +22,7 @@ from worker.answers.cost import Sizes, all_events
 from worker.answers.kind import Content, Document, JobRequest, Kind, Store
 
 PLAIN_OPTIONS = (
-    *("decimals", "min_height", "family", "ignore_windows"),
+    *("decimals", "min_height", "family"),
     *("loop", "min_aspects", "max_aspects", "seed"),
 )
 """Members of a question that are options of the search as they are."""
@@ -149,7 +149,7 @@ def _sample_of(plan: Plan, manipulator: Manipulator) -> JobRequest:
     content: dict[str, Any] = {
         "geometry": manipulator.to_json(),
         "fixed_leg": requirement.fixed_leg,
-        "requirement": requirement.to_json() if requirement.limits else None,
+        "requirement": requirement.ignoring(Fraction(0)).to_json() if requirement.limits else None,
     }
     if constraints.bound_aspects:
         content["aspects"] = True
@@ -176,7 +176,7 @@ def _examine(request: JobRequest, _store: Store, _progress: Progress) -> Documen
 
     asked = request.content["requirement"] or {"min_cusps": 0, "fixed_leg": request.fixed_leg}
     constraints = Constraints(request.content.get("loop"), 1 if request.content.get("aspects") else None)
-    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked, max_digits=1 << 20), Fraction(0), constraints)
+    goal = Goal(LONGEST_RANGE, Requirement.from_json(asked, max_digits=1 << 20), constraints)
     return {"document": examined(request.manipulator, goal)}
 
 

@@ -178,6 +178,8 @@ PATH = Kind("path", "pa-", path, _path_cost, measure=_measure_path, fewer=_fewer
 _MODES_PAIRS = 1.5
 """Seconds of the proof that no folds meet."""
 _MODES_SLICES = 3
+_WIDE = 3
+"""Times as long as that proof: wide paths, and that there are none."""
 
 
 def assembly_modes(request: JobRequest, _store: Store, _progress: Progress) -> Document:
@@ -193,11 +195,14 @@ def assembly_modes(request: JobRequest, _store: Store, _progress: Progress) -> D
         between=_ends(content, "range"),
         limits=_limits(content),
         fixed_leg=request.fixed_leg,
+        clearance=content.get("clearance"),
+        tolerance=content.get("tolerance"),
     ).to_json()
 
 
 def _measure_modes(content: Content, size: Sizes) -> Sizes:
-    return replace(size, censuses=int("range" in content), limited=int("limits" in content))
+    wide = 0 if content.keys().isdisjoint({"clearance", "tolerance"}) else _WIDE
+    return replace(size, censuses=int("range" in content), limited=int("limits" in content) + wide)
 
 
 def _modes_cost(size: Sizes) -> float:
@@ -230,6 +235,8 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
         to=to and [to[leg] for leg in ("l1", "l2", "l3")],
         between=_ends(content, "between"),
         parts=content.get("parts", False),
+        clearance=content.get("clearance"),
+        tolerance=content.get("tolerance"),
         limits=_limits(content),
         fixed_leg=request.fixed_leg,
         digits=request.digits,
@@ -239,6 +246,7 @@ def connections(request: JobRequest, _store: Store, _progress: Progress) -> Docu
 def _measure_connections(content: Content, size: Sizes) -> Sizes:
     slices = _RANGE_OF_SLICES if "between" in content or "to" in content else 1
     limited = slices if "limits" in content else 0
+    limited += 0 if content.keys().isdisjoint({"clearance", "tolerance"}) else _WIDE * slices
     return replace(size, count=slices, limited=limited + (_PARTS * slices if "parts" in content else 0))
 
 

@@ -187,6 +187,17 @@ def _roots_on_the_line(q: Doubles) -> Complexes:
     return roots
 
 
+def real_eigenvalues(q: Sequence[float]) -> list[float]:
+    """Guesses of the real roots of Q with these coefficients, ascending."""
+    companion = np.eye(DEGREE_U, k=-1)
+    companion[0] = [-x / q[-1] for x in q[-2::-1]] if q[-1] else np.nan
+    try:
+        roots = np.linalg.eigvals(companion)
+    except np.linalg.LinAlgError:
+        return []
+    return sorted(roots.real[roots.imag == 0].tolist())
+
+
 def _matrices(eliminant: Eliminant, exponent: int) -> tuple[Complexes, Doubles]:
     """The coefficients of P and of Q by powers of L / 2^exponent, each right to two units of the last place.
 

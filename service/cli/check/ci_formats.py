@@ -48,7 +48,9 @@ def _add_case(suite: ElementTree.Element, outcome: Outcome) -> None:
     if outcome.is_file and outcome.line is not None:
         case.set("line", str(outcome.line))
     near = [("near", outcome.near)] if outcome.near else []
-    said = [*near, *outcome.notes.items(), *(("degenerate", words) for words in outcome.degenerate)]
+    said = [*near, *outcome.notes.items(), *(("ignored-window", words) for words in outcome.ignored)]
+    said += [("mode-change", words) for words in outcome.witness]
+    said += [("degenerate", words) for words in outcome.degenerate]
     if said:
         properties = ElementTree.SubElement(case, "properties")
         for name, words in said:
@@ -64,8 +66,8 @@ def _add_case(suite: ElementTree.Element, outcome: Outcome) -> None:
 
 
 def sarif(outcomes: Sequence[Outcome]) -> str:
-    """Returns SARIF 2.1.0 with a result for each geometry that does not pass, is degenerate, or is near a
-    special shape that contradicts its report."""
+    """Returns SARIF 2.1.0 with a result for each geometry that does not pass, is degenerate, is near a
+    special shape that contradicts its report, or has windows that are ignored."""
     rules = tomllib.loads(Path(__file__).with_name("rules.toml").read_text(encoding="utf-8"))
     described = [
         {
@@ -79,18 +81,21 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
     results = [_located(o, "near-special-shape", "warning", o.near) for o in outcomes if o.near]
     results += [_result(o) for o in outcomes if not o.passed]
     results += [_located(o, "degenerate", "warning", "; ".join(o.remarks)) for o in outcomes if o.remarks]
+    results += [_located(o, "ignored-window", "note", "; ".join(o.ignored)) for o in outcomes if o.ignored]
     run = {"tool": {"driver": driver}, "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
 
 def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
     """Yields a GitHub workflow command for each geometry that does not pass, is degenerate, or is near a
-    special shape that contradicts its report."""
+    special shape that contradicts its report, and for each window that is ignored."""
     for outcome in outcomes:
         if outcome.near:
             yield f"::warning {_where(outcome, 'near a special shape')}::{_data(outcome.near)}"
         for words in outcome.remarks:
             yield f"::warning {_where(outcome, 'degenerate')}::{_data(words)}"
+        for words in outcome.ignored:
+            yield f"::notice {_where(outcome, 'window ignored')}::{_data(words)}"
         if outcome.passed:
             continue
         title = (

@@ -38,9 +38,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         --max-cusps: maximum number of cusps in any slice; 0: none at all
         --min-cusps: minimum number of cusps in any slice
         --expect-cusps: number of cusps in each slice of --l1 (--l2, …), or in every slice of the range
+        --ignore-windows: a width: windows of other numbers of cusps that are narrower are ignored, and listed
         --degenerate: allowed (and reported) or refused: degenerate poses in every slice, or along a whole
             curve in a slice
         --mode-change: required or excluded: a change of assembly mode without a singularity, in the range
+        --clearance: with --mode-change: how far, in degrees, a change keeps from singular poses
         --tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
             then), for which the requirement must hold as well
         --junit: write JUnit XML, with a test case for each geometry
@@ -57,8 +59,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--min-cusps", metavar="N")
     parser.add_argument("--expect-cusps", metavar="N")
     parsers.add_limits(parser)
+    parser.add_argument("--ignore-windows", metavar="X")
     parser.add_argument("--degenerate", metavar="WORD", choices=(ALLOWED, REFUSED), default=ALLOWED)
     parser.add_argument("--mode-change", metavar="WORD", choices=(REQUIRED, EXCLUDED))
+    parser.add_argument("--clearance", metavar="DEGREES")
     parser.add_argument("--tolerance", metavar="T")
     parsers.add_digits(parser, CHECK_DIGITS)
     parsers.add_format(parser)
@@ -76,7 +80,8 @@ def run(args: argparse.Namespace) -> int:
     Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those
     of its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the
     other legs, only cusps strictly within them are counted. The absence of cusps does not prove that the
-    assembly mode cannot change.
+    assembly mode cannot change. With --ignore-windows, what violates the requirement only in windows that are
+    narrower passes; each of these is listed with its width.
 
     With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths
     differ from its own by at most the tolerance. Otherwise there is a counter-example, or the tolerance is
@@ -90,6 +95,8 @@ def run(args: argparse.Namespace) -> int:
       rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
       rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40
       rpr-cusps check innocenti --l1-range 21:26 --max-cusps 6 --tolerance 0.05
+      rpr-cusps check innocenti --l1-range 0:20 --max-cusps 6 --ignore-windows 0.001
+      rpr-cusps check robot.json --l1-range 20:30 --mode-change required --clearance 0.5 --tolerance 0.05
       rpr-cusps check robot.json --l1 28.1 --expect-cusps 10 --tolerance d1=0.0002,a3x=0.0001
 
     On GitHub Actions, each geometry that does not pass is annotated.
@@ -97,8 +104,6 @@ def run(args: argparse.Namespace) -> int:
     digits = read_option(Digits, arguments.computed_digits(args) or CHECK_DIGITS, "--digits")
     printed = arguments.printed_digits(args)
     task = Task(_demand(args), digits, printed, _tolerance(args.tolerance), asking.seconds_of(args))
-    if args.mode_change is not None and args.tolerance is not None:
-        raise InputError.of("--mode-change", "is for checks without a tolerance")
     if args.jobs is not None and args.url is not None:
         raise InputError.of("--jobs", "is for checks that are computed here; leave it or --url out")
     jobs = usable_cores() if args.jobs is None else read_option(_Jobs, args.jobs, "--jobs")
@@ -152,7 +157,9 @@ def _expectation(args: argparse.Namespace) -> Expectation:
     others = {
         "--max-cusps": args.max_cusps,
         "--mode-change": args.mode_change,
+        "--clearance": args.clearance,
         "--min-cusps": args.min_cusps,
+        "--ignore-windows": args.ignore_windows,
         **dict(args.ranges),
         **dict(args.limits),
     }

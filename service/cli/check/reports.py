@@ -139,6 +139,8 @@ class Outcome:
             return ""
         text = f"a change of assembly mode is {found['change']}, and {demand}"
         if found["witness"] is not None:
+            kept = found["witness"]["path"]["clearance"]["proved"]
+            text += f", {short(kept)} degrees off singular poses"
             ends = f"from pose {found['witness']['from']} to pose {found['witness']['to']}"
             return f"{text}; {ends} of {all_legs(found['witness'])}"
         return text if found["reason"] is None else f"{text}: {found['reason']}"
@@ -148,6 +150,21 @@ class Outcome:
         """What is degenerate throughout, a line for each."""
         found = self.report.get("degenerate", ())
         return [degenerate_words(part, self.report["requirement"]["fixed_leg"]) for part in found]
+
+    @property
+    def ignored(self) -> list[str]:
+        """The windows that are ignored, a line for each."""
+        found = self.report.get("ignored_windows", ())
+        return [ignored_words(window, self.report["requirement"]["fixed_leg"]) for window in found]
+
+    @property
+    def witness(self) -> list[str]:
+        """How clear the change of assembly mode is that was found, if one was."""
+        found = self.report.get("mode_change")
+        if found is None or found["witness"] is None:
+            return []
+        kept = short(found["witness"]["path"]["clearance"]["proved"])
+        return [f"by a path that keeps at least {kept} degrees off singular poses"]
 
     @property
     def near(self) -> str:
@@ -197,6 +214,19 @@ def short(text: str, digits: int = _DIGITS) -> str:
     value = context.divide(Decimal(x.numerator), Decimal(x.denominator)).normalize(context)
     is_plain = value.is_zero() or -_PLAIN < value.adjusted() < _PLAIN
     return f"{value:f}" if is_plain else str(value).lower()
+
+
+def ignored_words(window: Mapping[str, Any], fixed_leg: int) -> str:
+    """Returns one line on a window that is ignored.
+
+    >>> ends = {"from": "10.9056632492710", "to": "10.9056666270906"}
+    >>> ignored_words({**ends, "width": "0.00000337782", "counts": [8]}, 1)
+    '8 cusps for L1 from 10.9056632 to 10.9056666, 0.00000337782 wide'
+    """
+    *others, last = window["counts"]
+    start, stop = apart(window["from"], window["to"])
+    cusps = ", ".join([*map(str, others), counted(last, "cusp")])
+    return f"{cusps} for L{fixed_leg} from {start} to {stop}, {window['width']} wide"
 
 
 def apart(low: str, high: str | None) -> tuple[str, str | None]:
@@ -252,7 +282,9 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
     """Returns all outcomes as a page."""
     sections = []
     for outcome in outcomes:
-        notes = [f"degenerate: {words}" for words in outcome.degenerate]
+        notes = [f"ignored: {words}" for words in outcome.ignored]
+        notes += [f"mode change: {words}" for words in outcome.witness]
+        notes += [f"degenerate: {words}" for words in outcome.degenerate]
         if outcome.passed:
             within = ", within the tolerance too" if outcome.margin else ""
             counts = outcome.report["min_cusps_found"], outcome.report["max_cusps_found"]
@@ -284,6 +316,8 @@ def about(requirement: Mapping[str, Any]) -> str:
     """Returns the line that describes a requirement."""
     leg = requirement["fixed_leg"]
     last = ", nothing degenerate" if requirement.get("degenerate") == REFUSED else ""
+    if (narrow := requirement.get("ignore_windows")) is not None:
+        last += f", windows narrower than {narrow} ignored"
     last += f", with {tolerance_words(requirement['tolerance'])}" if "tolerance" in requirement else ""
     if "expect_cusps" in requirement:
         return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}{last}"
@@ -310,7 +344,9 @@ def _demand(requirement: Mapping[str, Any]) -> str:
     if (change := requirement.get("mode_change")) is not None:
         counts = {**requirement, "mode_change": None}
         also = "" if bounds == dict.fromkeys(bounds) else f"{_demand(counts)}, "
-        return f"{also}change of assembly mode {change}"
+        wide = requirement.get("clearance")
+        off = "" if wide is None else f", {wide} degrees off singular poses"
+        return f"{also}change of assembly mode {change}{off}"
     if requirement["max_cusps"] == requirement["min_cusps"]:
         return f"{requirement['max_cusps']} required"
     demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)

@@ -133,3 +133,11 @@ def test_angles_that_are_exactly_0_or_180() -> None:
     first, last = leg_poses(flat, {"l1": 9, "l3": 6}, digits=15).ends
     assert [pose["alpha_deg"] for pose in first.poses] == ["180.000000000000"] * 2
     assert [pose["alpha_deg"] for pose in last.poses] == ["0"] * 2
+
+
+@pytest.mark.parametrize(("digits", "text"), [(16, "10.00000000000000"), (17, "9.9999999999999995")])
+def test_a_length_that_is_a_decimal_or_half_way_between_two_is_decided(digits: int, text: str) -> None:
+    """All joints of this machine lie on a line at the fold, where L2 = 13 − L1."""
+    lengths = {"l1": "3.0000000000000005", "l3": "13.0000000000000005"}
+    table = leg_poses(Manipulator(20, 6, 0, 7, 9, 16), lengths, digits=digits)
+    assert table.to_json()["intervals"][1]["from"] == text

@@ -127,19 +127,37 @@ def test_linear_programmes_lengthen_the_range() -> None:
     )
 
 
-def test_narrow_windows_are_left_aside_in_the_search_alone() -> None:
+def test_a_design_with_no_windows_but_narrow_ones_is_met() -> None:
     document = known(INNOCENTI)
     assert document is not None
     profile = Profile(Space.of(INNOCENTI, "5%"), INNOCENTI, document)
     assert len(windows(profile, Goal("least-change", AT_MOST_6))) == 3
-    assert windows(profile, Goal("least-change", AT_MOST_6, Fraction(1, 1000))) == []
-    found = design(INNOCENTI, "least-change", AT_MOST_6, vary="5%", budget=2, ignore_windows="0.001")
-    assert not found.met
-    assert [x.count for x in found.windows_left] == [8, 8, 8]
+    wish = AT_MOST_6.ignoring(Fraction(1, 1000))
+    assert windows(profile, Goal("least-change", wish)) == []
+    found = design(INNOCENTI, "least-change", wish, vary="5%", budget=2)
+    assert found.met
     assert found.outcome.candidates[-1].met
-    answer = found.to_json()
-    assert len(answer["best"]["windows_left"]) == 3
-    assert set(answer["best"]["change"].values()) == {"0"}
+    assert found.margin is not None
+    assert found.margin.proved
+    answer = found.to_json()["best"]
+    assert [window["counts"] for window in answer["check"]["ignored_windows"]] == [[8], [8], [8]]
+    assert set(answer["change"].values()) == {"0"}
+
+
+@pytest.mark.parametrize(("width", "most"), [("0", 10), ("0.01", 10), ("0.02", 8), ("2", 6), ("11", 0)])
+def test_the_most_cusps_are_those_of_a_window_that_is_wide_enough(width: str, most: int) -> None:
+    wish = Requirement(start=21, stop=31, min_cusps=0, ignore_windows=width)
+    near = {"d1": ("17.04", "17.0400001")}
+    assert design(INNOCENTI, "most-cusps", wish, vary=near, decimals=7, budget=2).value == str(most)
+
+
+def test_the_longest_range_goes_on_over_windows_that_are_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_BOXES", 2000)
+    values = {}
+    for width in ("0", "0.001"):
+        wish = Requirement(start=10, stop=15, max_cusps=6, ignore_windows=width)
+        values[width] = Fraction(design(INNOCENTI, "longest-range", wish, vary="0.1%", budget=2).value)
+    assert values["0"] < 4 < values["0.001"] == 5
 
 
 def test_the_answer_is_proved_anew(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -173,7 +191,6 @@ def test_what_is_missing_is_named_in_one_line(monkeypatch: pytest.MonkeyPatch) -
         ("longest-range", None, {}, "requirement"),
         ("least-change", AT_MOST_4, {"budget": 1}, "budget"),
         ("least-change", AT_MOST_4, {"seed": -1}, "seed"),
-        ("least-change", AT_MOST_4, {"ignore_windows": -1}, "ignore_windows"),
     ],
 )
 def test_what_is_wrong_is_named(

@@ -105,6 +105,6 @@ def test_a_leg_closes_where_its_square_is_zero() -> None:
             scaled = mp.mpf(length.numerator) / length.denominator
             square = (scaled * x - leg.ax) ** 2 + (scaled * y - leg.ay) ** 2
             assert abs(square / leg.platform2 - 1) < mp.mpf(10) ** -30
-        for u in mp.polyroots([int(c) for c in reversed(INNOCENTI.g.collinear().a.coeffs())]):
+        for u in mp.polyroots([int(c) for c in reversed(INNOCENTI.g.collinear.a.coeffs())]):
             x, y = 1 - u * u, 2 * u
             assert abs(x * INNOCENTI.g.ay - y * INNOCENTI.g.ax) < mp.mpf(10) ** -25

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
@@ -26,7 +27,7 @@ from rpr_solver import (
 )
 from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.elimination import recovered
+from rpr_solver.exact.elimination import ball_resultant
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.model.slice_map import SliceMap
@@ -74,7 +75,7 @@ def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -
     slice_map = eliminant.slice_map
     for length in (Fraction(7, 3) * slice_map.scale, Fraction(20) * slice_map.scale):
         a, b = exact_resultant(slice_map, length)
-        known = slice_map.f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(length).a
+        known = slice_map.f.collinear.a**2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(length).a
         quotient_a, quotient_b = a / known, b / known
         assert quotient_a * known == a
         assert quotient_b * known == b
@@ -113,9 +114,7 @@ def constant(eliminant: Eliminant, u: int, length: int) -> fmpz:
             for part in (eliminant.a, eliminant.b)
         )
         known = (
-            slice_map.f.collinear().a(u) ** 2
-            * fmpz(u * u + 1) ** 9
-            * slice_map.f.closed(Fraction(length)).a(u)
+            slice_map.f.collinear.a(u) ** 2 * fmpz(u * u + 1) ** 9 * slice_map.f.closed(Fraction(length)).a(u)
         )
         value = whole / (known * (a + omega * b))
     integer = value.unique_fmpz()
@@ -175,15 +174,21 @@ def test_a_negative_length_is_the_opposite_direction(m: Manipulator, leg: int) -
                 assert part[24 - k, i] == (-1) ** (k + i) * part[k, i]
 
 
-@given(SMALL_MANIPULATORS, st.sampled_from([1, 2, 3]))
+@given(SMALL_MANIPULATORS, lengths(), st.sampled_from([1, 2, 3]))
 @examples(6)
-def test_the_first_precision_suffices(m: Manipulator, leg: int) -> None:
-    """Radii below 1/4 at the precision that the bound of the values asks for: nothing is computed twice."""
-    sampling = _Sampling.of(SliceMap.of(m, leg))
-    with ctx.workprec(sampling.bits + 32):
-        coefficients = sampling.coefficients(omega_ball(sampling.slice_map.radicand, ctx.prec))
-        assert coefficients is not None
-        assert all(x.rad() < arb(0.25) for x in coefficients)
+def test_the_first_precision_suffices(m: Manipulator, length: Fraction, leg: int) -> None:
+    """One value at each of two points, for each sign of ω: nothing is computed twice."""
+    asked: list[int] = []
+
+    def counted(first: Sequence[arb], second: Sequence[arb]) -> arb:
+        asked.append(ctx.prec)
+        return ball_resultant(first, second)
+
+    slice_map = SliceMap.of(m, leg)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rpr_solver.slices.eliminant.ball_resultant", counted)
+        _Sampling.of(slice_map).at(length * slice_map.scale)
+    assert len(asked) == (2 if slice_map.radicand == 1 else 4)
 
 
 @given(st.lists(st.integers(-60, 60), min_size=8, max_size=8), st.sampled_from([1, 2, 3]), st.integers(1, 6))
@@ -195,7 +200,7 @@ def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: i
     sides = f.platform2**2 * g.platform2 * ((f.ax - g.ax) ** 2 + (f.ay - g.ay) ** 2)
     assume(sides and f.base2)
     a, _ = exact_resultant(SliceMap(1, Fraction(1), 1, 1, f, g), Fraction(length * unit))
-    known = f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit)).a
+    known = f.collinear.a**2 * fmpz_poly([1, 0, 1]) ** 9 * f.closed(Fraction(length * unit)).a
     assert (a * 2**8) % (known * sides * unit**26) == 0
 
 
@@ -203,7 +208,7 @@ def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: i
 def test_factors_that_do_not_divide_are_noticed(along: list[int]) -> None:
     sampling = replace(_Sampling.of(SliceMap.of(EXAMPLES["zein-flat"])), along=QuadraticPoly.rational(along))
     with pytest.raises(SolverError, match="known factors"):
-        recovered(1, sampling.coefficients, sampling.bits)
+        sampling.whole()
 
 
 # one slice

@@ -83,7 +83,7 @@ def test_where_nothing_is_shared_the_eliminant_has_all_its_factors(length: Fract
         slice_map, scaled = eliminant.slice_map, length * eliminant.slice_map.scale
         forms, whole = sliced_without(slice_map, scaled)
         assert forms == SliceForms.of(slice_map, scaled)
-        known = slice_map.f.collinear().a ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(scaled).a
+        known = slice_map.f.collinear.a**2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(scaled).a
         expected = (eliminant.at(scaled) * (known / known.content())).primitive()
         assert whole in (expected, expected * -1)
 

@@ -118,7 +118,7 @@ OF_VERSION_2 = {
             "weights": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1"),
         },
     ),
-    "de-920558698ed80fbb60dcd16df501b825b09200f5": JobRequest(
+    "de-8a4dc6fdb82feac3d943824182976c20fb26814c": JobRequest(
         DESIGN,
         {
             "geometry": GEOMETRY,
@@ -137,7 +137,6 @@ OF_VERSION_2 = {
             "family": None,
             "decimals": 2,
             "min_height": None,
-            "ignore_windows": "0",
             "budget": {"censuses": 4},
             "seed": 1,
         },

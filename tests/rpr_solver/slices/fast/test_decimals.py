@@ -8,7 +8,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, JointPoint
 from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
-from rpr_solver.slices.fast.scan import PoseSharpener
+from rpr_solver.slices.fast.scan import Scan
 from rpr_solver.slices.reference import ReferenceSlice
 from tests.support.shared import eliminant_of
 
@@ -24,9 +24,8 @@ def boxes(name: str) -> list[NearPose]:
 
 
 def cusps_in(name: str, digits: int, found: list[NearPose]) -> list[JointPoint] | None:
-    eliminant = eliminant_of(EXAMPLES[name])
-    scaled = LENGTH * eliminant.slice_map.scale
-    return PoseSharpener(eliminant, digits).cusps(scaled, found)
+    scan = Scan(eliminant_of(EXAMPLES[name]), [LENGTH], digits)
+    return scan.cusps(LENGTH * scan.eliminant.slice_map.scale, found)
 
 
 @pytest.mark.parametrize("digits", [15, 90, 1000])
@@ -43,7 +42,7 @@ def test_far_roots_are_found_as_their_inverse() -> None:
     assert any(x.u_inverse for x in found)
     expected = cusps_in("zein-flat", 60, found)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rpr_solver.slices.fast.scan._NEAR", 0)
+        patch.setattr("rpr_solver.slices.sharpener._NEAR", 0)
         assert cusps_in("zein-flat", 60, found) == expected
 
 
