@@ -325,7 +325,7 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
     slider, verdict = page.locator("#tolerance-slider"), page.locator("#verdict")
     expect(slider).to_have_attribute("aria-valuetext", "plus or minus 0.001")
-    open_tab(page, "How exactly?")
+    open_tab(page, "Tolerance")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(verdict).to_have_text("Refuted: not 10 cusps at L1 = 28.1 for every geometry within ± 0.001.")
     expect(page.locator("#first-order")).to_contain_text("an estimate: ± 0.0006")
@@ -367,7 +367,7 @@ def test_a_verdict_about_a_rounded_special_machine_says_what_holds_for_the_exact
 def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
     expect(page.locator("#census-degenerate li")).to_have_count(2)
-    open_tab(page, "How exactly?")
+    open_tab(page, "Tolerance")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
 
@@ -380,10 +380,10 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
     open_tab(page, "curl")
     page.get_by_label("What to call").select_option("design")
     expect(page.locator("#code")).to_contain_text('"objective": "longest-range"')
-    open_tab(page, "Improve")
+    open_tab(page, "Design")
     page.get_by_label("Sought").select_option("more cusps")
     for name, text in {"L1 from": "2", "to": "4", "Censuses": "2"}.items():
-        page.get_by_role("tabpanel", name="Improve").get_by_label(name, exact=True).fill(text)
+        page.get_by_role("tabpanel", name="Design").get_by_label(name, exact=True).fill(text)
     page.get_by_label("Censuses").press("Enter")
     expect(page.locator("#improve-start")).to_be_disabled()
     expect(page.locator("#improve-now")).to_contain_text("Best found of 2 (budget), proved: 8, wish met;")
@@ -402,7 +402,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
 @pytest.mark.long
 def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{SMALL}&l1=3")
-    open_tab(page, "Improve")
+    open_tab(page, "Design")
     page.get_by_label("Sought").select_option("more cusps")
     expect(page.get_by_label("Cusps, at most")).to_be_disabled()
     page.get_by_role("button", name="Search").click()
@@ -1162,7 +1162,7 @@ def test_other_ways_of_looking(
     page = open_page(base_url, **options)
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
-    open_tab(page, "How exactly?")
+    open_tab(page, "Tolerance")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#verdict")).to_contain_text("8 cusps at L1 = 27")
     inspect(page, name)

@@ -34,9 +34,11 @@ export function orNoAnswer(error) {
 /** The service cannot be reached. */
 export class GoneError extends Error {}
 
+const isFramed = "embedded" in document.documentElement.dataset; // a page that others may frame uses no key
+
 /** The key for a service that asks for one; kept as long as this tab. */
 export const key = {
-  get: () => sessionStorage.getItem(KEY) ?? "",
+  get: () => (isFramed ? "" : (sessionStorage.getItem(KEY) ?? "")),
   set: (text) => (text ? sessionStorage.setItem(KEY, text) : sessionStorage.removeItem(KEY)),
 };
 

@@ -1,7 +1,7 @@
 /** Joint limits: a rectangle that is drawn or entered, and what it means for the assembly mode. */
 
 import { counted } from "./census.js";
-import { pointed, toNumber } from "./decimals.js";
+import { pointed, shortened, toNumber } from "./decimals.js";
 import { byId, on, write } from "./dom.js";
 import { mark } from "./form.js";
 import { nearOf, nearText } from "./notices.js";
@@ -10,6 +10,7 @@ import { modesOf } from "./questions.js";
 import { limitsOf } from "./state.js";
 
 const ENDS = ["l2-min", "l2-max", "l3-min", "l3-max", "l1-min", "l1-max"];
+const THRESHOLDS = ["clearance", "tolerance"];
 
 export class JointLimits {
   #told;
@@ -24,6 +25,7 @@ export class JointLimits {
     on("draw-limits", "click", () => this.draws(byId("draw-limits").ariaPressed !== "true"));
     on("clear-limits", "click", () => told.onChange(null));
     on("ask-modes", "click", () => this.#decide());
+    for (const name of THRESHOLDS) on(`modes-${name}`, "input", () => this.clear());
   }
 
   draws(isDrawing) {
@@ -35,7 +37,9 @@ export class JointLimits {
   async #decide() {
     this.clear();
     if (byId("l1-max").value && !byId("l1-min").value) return this.#tell("A range of L1 begins at a length > 0: enter L1 from, too.");
-    const modes = await this.#told.ask("assembly modes", modesOf, { onRefusal: (reason) => this.#tell(reason) });
+    const thresholds = Object.fromEntries(THRESHOLDS.map((name) => [name, pointed(byId(`modes-${name}`).value)]).filter(([, text]) => text));
+    const told = { onRefusal: (reason) => this.#tell(reason), hasFields: true };
+    const modes = await this.#told.ask("assembly modes", (state) => modesOf(state, thresholds), told);
     if (!modes) return;
     if (modes.witness) this.#told.onPath(modes.witness.path);
     this.#tell(modes);
@@ -71,12 +75,17 @@ export class JointLimits {
 
   /** Shows what a document about assembly modes says, or a reason that there is none. */
   #tell(modes) {
-    const { change, witness, reason } = modes;
-    const kept = modes.asked?.limits || modes.asked?.range ? " within the limits" : "";
+    const { change, witness, reason, asked = {}, best_clearance: best } = modes;
+    const proved = witness?.path.clearance?.proved;
+    const kept = [
+      ...(asked.limits || asked.range ? [" within the limits"] : []),
+      ...(asked.clearance ? [` at least ${asked.clearance}° from singular poses`] : []),
+      ...(asked.tolerance ? [` for every geometry within ±\u00a0${[...new Set(Object.values(asked.tolerance))].join(", ")}`] : []),
+    ].join(",");
     const said = {
-      possible: () => `Yes: from pose ${witness.from} to pose ${witness.to} of L1 = ${witness.l1}, L2 = ${witness.l2}, L3 = ${witness.l3}, by a path without a singularity${kept}, which is drawn and which Play shows. This is proved.`,
+      possible: () => `Yes: from pose ${witness.from} to pose ${witness.to} of L1 = ${witness.l1}, L2 = ${witness.l2}, L3 = ${witness.l3}, by a path without a singularity${kept}, which is drawn and which Play shows${proved ? `; it keeps ${shortened(proved, 4)}° from singular poses` : ""}. This is proved.`,
       impossible: () => `No: without a singularity no pose can become another one of the same lengths${kept}. This is proved.`,
-      undecided: () => `Undecided: ${reason}.`,
+      undecided: () => `Undecided: ${reason}${best ? `; the widest path that was found keeps ${shortened(best, 4)}° from singular poses` : ""}.`,
     };
     write("modes-verdict", modes ? [nearText(nearOf(modes)), said[change]?.() ?? modes].filter(Boolean).join(" — ") : "");
   }

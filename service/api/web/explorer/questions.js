@@ -17,10 +17,10 @@ export const censusOf = ({ geometry }) => ["v1/censuses", { geometry, digits: WH
 /** The cusp curves at the length of the slice and at another one. */
 export const cuspCurvesOf = ({ geometry, l1 }, other) => ["v1/cusp-curves", { geometry, l1: [other, l1], digits: WHILE_MOVING }];
 export const marginOf = ({ geometry, l1 }, tolerance) => ["v1/margins", { geometry, l1, tolerance }];
-/** Whether the mode can change: in the slice, or in the range of L1 if that is limited. */
-export const modesOf = ({ geometry, l1, limits }) => {
+/** Whether the mode can change: in the slice, or in the range of L1 if that is limited; with thresholds, `{clearance, tolerance}`. */
+export const modesOf = ({ geometry, l1, limits }, thresholds = {}) => {
   const range = limits?.l1 && { from: limits.l1.min, to: limits.l1.max ?? null };
-  return ["v1/assembly-modes", { geometry, ...(range ? { range } : { l1 }), ...limitsIn(freeLimits(limits)) }];
+  return ["v1/assembly-modes", { geometry, ...(range ? { range } : { l1 }), ...limitsIn(freeLimits(limits)), ...thresholds }];
 };
 export const posesOf = ({ geometry, l1, at: { l2, l3 } }) => ["v1/poses", { geometry, l1, l2, l3, digits: WHILE_MOVING }];
 export const loopOf = ({ geometry, l1, limits }, cusp) => ["v1/paths", { geometry, l1, cusp, ...limitsIn(freeLimits(limits)), samples: SAMPLES, digits: WHILE_MOVING }];

@@ -203,7 +203,6 @@ class Plane {
     const { regions, limits, thin, isolated, vertices } = this.#answer;
     const areas = regions.map(({ sign, area }, k) => shape("path", {
       class: `area ${FILLS[sign]}`, d: this.#loops[k].map((loop) => this.#line(loop.flat(), true)).join(""),
-      "data-what": `J ${sign > 0 ? ">" : sign < 0 ? "<" : "="} 0, area ${shortened(area, 5)}`,
     }));
     const circles = LEGS.flatMap((leg, k) => Object.values(limits[leg] ?? {}).filter((end) => toNumber(end) > 0).map((end) => {
       const [cx, cy] = this.#at(this.#centre(k));
