@@ -24,6 +24,7 @@ import { Poses } from "./poses.js";
 import { censusOf, curvesOf, cuspCurvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
 import { lack, showCount } from "./slice.js";
+import { SpaceView } from "./space_view.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { Steps } from "./steps.js";
 import { CuspTable } from "./table.js";
@@ -70,6 +71,15 @@ class Explorer {
     onLimits: (limits) => this.#limit({ ...this.state.limits, ...limits }),
     onZoom: (factor) => this.#refine(factor),
   });
+  #space = new SpaceView({
+    onSelect: (index) => this.#select(index),
+    onGo: (l1) => this.#change({ l1, at: null }),
+    onEye: (eye) => {
+      this.state = { ...this.state, eye };
+      this.#tell(true);
+    },
+    ask: (name, question, told) => this.asking.ask(name, this.state, question, { isLate: true, ...told }),
+  });
   #table = new CuspTable({ onSelect: (index) => this.#select(index) });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #poses = new Poses({
@@ -94,7 +104,12 @@ class Explorer {
     ask: (...question) => this.#ask(...question),
   });
   #calls = new Calls();
-  #save = new Save();
+  #save = new Save({
+    space: () => {
+      this.#view("space");
+      return this.#space.image();
+    },
+  });
   #steps = new Steps({ onGo: (hash) => this.#go(hash) });
   #pictures = new Pictures(this);
 
@@ -107,6 +122,7 @@ class Explorer {
     this.#joint.drawLimits(this.state.limits);
     on("near-open", "click", () => this.#open(this.#near.spelling));
     this.#settle();
+    this.#space.open(this.state.view === "space");
     for (const radio of document.querySelectorAll("input[name=view]")) on(radio, "change", () => this.#view(radio.value));
     for (const radio of document.querySelectorAll("input[name=mode]")) on(radio, "change", () => this.#take({ mode: radio.value }));
   }
@@ -192,6 +208,7 @@ class Explorer {
     this.#poses.show(this.state.at);
     this.#tellPanels();
     byId(`view-${view}`).checked = true;
+    this.#fillSpace();
     byId(`mode-${mode}`).checked = true;
     this.#mechanism.mode = mode;
     byId("slice").classList.toggle("stale", !this.isShown);
@@ -314,7 +331,8 @@ class Explorer {
     byId("slice").classList.toggle("stale", !this.isShown);
     byId("slice").classList.remove("late");
     if (curves) lack(state.l1, "");
-    this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    if (!this.#space.isOpen) this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    this.#fillSpace();
     showLegend(legendOf(curves, this.state.view));
     this.#visit(this.#selected);
     if (!this.state.at) this.#drawVector();
@@ -341,6 +359,7 @@ class Explorer {
   #showPath(path) {
     this.#motion.show(path);
     this.#joint.drawLoop(this.#motion.samples, Boolean(this.#route));
+    this.#fillSpace();
     this.#draw();
   }
 
@@ -477,6 +496,7 @@ class Explorer {
 
   #drawPoses() {
     this.#drawVector();
+    this.#fillSpace();
     this.#draw();
   }
 
@@ -501,6 +521,7 @@ class Explorer {
     this.#motion.show(null);
     if (!isDrawn) return;
     this.#joint.drawLoop([]);
+    this.#fillSpace();
     if (!this.state.at) this.#mechanism.clearOthers();
   }
 
@@ -512,6 +533,7 @@ class Explorer {
     this.#mechanism.draw(geometry, sample, othersOf(poses, pose));
     this.#joint.drawPoses({ ...sample, pose }, poses);
     this.#last = sample;
+    this.#fillSpace(sample);
   }
 
   async #askCensus(state) {
@@ -530,6 +552,7 @@ class Explorer {
     this.#tellPanels();
     this.#limits.show(limits, this.#slice?.cusps);
     this.#joint.drawLimits(limits);
+    this.#fillSpace();
     if (limits) this.#limits.draws(false);
     this.#tell();
     this.asking.cancel("loop");
@@ -552,6 +575,7 @@ class Explorer {
     this.state = { ...this.state, cusp: index };
     this.#following.start(this.#slice.l1, this.#cusp);
     if (this.isShown) this.#joint.select(index);
+    this.#fillSpace();
     this.#table.select(index);
     this.#visit(index);
     if (!this.state.at) this.#drawPoses();
@@ -576,8 +600,17 @@ class Explorer {
     this.state = { ...this.state, view };
     byId(`view-${view}`).checked = true;
     if (isStep) this.#tell();
-    this.#joint.show(view);
+    this.#space.open(view === "space");
+    if (view !== "space" && this.#slice) this.#joint.draw(this.#slice, this.#curves, view, this.#selected);
+    this.#fillSpace();
     showLegend(legendOf(this.#curves, view));
+  }
+
+  /** Tells the picture in three dimensions what there is to see. */
+  #fillSpace(here = null) {
+    const { geometry, l1, limits, at, eye } = this.state;
+    const isShown = Boolean(this.isShown && this.#curves);
+    this.#space.set({ geometry, l1, limits, at, eye, here, isShown, slice: this.#slice, curves: this.#curves, selected: this.#selected, path: this.#motion.samples });
   }
 
   #draw() {
