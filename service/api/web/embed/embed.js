@@ -12,6 +12,7 @@ import { Motion } from "../explorer/motion.js";
 import { nearestIn, vectorOf } from "../explorer/kinematics.js";
 import { curvesOf, loopOf, pictureOf, posesOf } from "../explorer/questions.js";
 import { showCount } from "../explorer/slice.js";
+import { SpaceView } from "../explorer/space_view.js";
 import { letterOf, stateOf } from "../explorer/state.js";
 
 const REST = 300; // ms without a change after which finer curves are asked for
@@ -30,10 +31,11 @@ async function answerTo([path, question]) {
   }
 }
 
-/** The slice on the plane of L2 and L3 or on the torus, and L1 as the slider. */
+/** The slice on the plane of L2 and L3, on the torus or in the joint space, and L1 as the slider. */
 class Slice {
   #state;
   #joint = new JointSpace({ onSelect: (index) => this.#joint.select(index), onVisit() {}, onPick() {}, onHold() {}, onPose() {}, onLimits() {}, onZoom() {} });
+  #space = new SpaceView({ onSelect() {}, onGo: (l1) => this.#go(l1), onEye() {}, ask: (_, question) => answerTo(question) });
   #next = null; // the state that is asked for next
   #isAsking = false;
   #timer = null;
@@ -41,6 +43,7 @@ class Slice {
   constructor(state, range) {
     this.#state = state;
     this.#joint.drawLimits(state.limits);
+    this.#space.open(state.view === "space");
     const l1 = toNumber(state.l1);
     const [low, high] = range ?? [(1 - REACH) * l1, (1 + REACH) * l1];
     const slider = Object.assign(byId("l1-slider"), { min: 0, max: STEPS, value: (STEPS * (l1 - low)) / (high - low) });
@@ -78,9 +81,11 @@ class Slice {
     if (curves && state === this.#state) this.#draw(state, curves);
   }
 
-  #draw({ l1, view, cusp }, curves) {
+  #draw({ geometry, l1, view, cusp, limits, eye }, curves) {
     const slice = sliceOf(curves, l1);
-    this.#joint.draw(slice, curves, view, Math.min(cusp, Math.max(slice.count - 1, 0)));
+    const selected = Math.min(cusp, Math.max(slice.count - 1, 0));
+    if (this.#space.isOpen) this.#space.set({ geometry, l1, limits, eye, slice, curves, selected, isShown: true });
+    else this.#joint.draw(slice, curves, view, selected);
     showCount(slice);
     showLegend(legendOf(curves, view));
   }
