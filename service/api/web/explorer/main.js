@@ -132,7 +132,6 @@ class Explorer {
     notice(state ? "" : faultOf(hash).replace("The first example is shown.", "The picture is as it was."));
     if (!state || hashOf(state) === hashOf(this.state)) return;
     this.#change(state, geometryText(state.geometry) !== geometryText(this.state.geometry));
-    this.#joint.drawLimits(state.limits);
     this.#view(state.view, false);
   }
 
@@ -163,6 +162,7 @@ class Explorer {
     this.#clearLoop();
     this.state = { ...this.state, ...change };
     if (isWhole) this.#joint.fitNext();
+    if ("limits" in change) this.#joint.drawLimits(change.limits);
     this.#merge = null;
     if (!this.state.at || "at" in change) this.#poseTable = null;
     else this.#follow();
