@@ -17,9 +17,9 @@ const MARKUP = `
 <div class="buttons"><button id="path-pin" disabled>Begin at the shown pose</button></div>
 <form id="path-form" class="fields" aria-label="Path">
 <label class="wide">To<select id="path-to"></select></label>
-<label>Speed ≤<input id="path-speed" inputmode="decimal" placeholder="any"></label>
-<label>Acceleration ≤<input id="path-acceleration" inputmode="decimal" placeholder="any"></label>
-<label>Jerk ≤<input id="path-jerk" inputmode="decimal" placeholder="any"></label>
+<label>Speed<input id="path-speed" inputmode="decimal" placeholder="no limit"></label>
+<label>Acceleration<input id="path-acceleration" inputmode="decimal" placeholder="no limit"></label>
+<label>Jerk<input id="path-jerk" inputmode="decimal" placeholder="no limit"></label>
 <label>Samples by<select id="path-sampling"><option value="number">number</option><option value="step">steps of time</option>
 <option value="chord">chords within</option></select></label>
 <label><span id="path-rows-label">Number</span><input id="path-rows" inputmode="decimal" value="${SAMPLES}"></label>
