@@ -370,6 +370,7 @@ class Explorer {
     this.asking.cancel("loop");
     this.#route = path;
     this.#showPath(path);
+    this.#move(this.#motion.samples[0]);
     this.#motion.playUnlessCalm();
   }
 
