@@ -122,7 +122,7 @@ export function firstExample() {
 }
 
 function exampleOf(option) {
-  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null, limits: null };
+  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null, limits: null, home: null };
 }
 
 /** Shows a number in a field, unless it is what stands there with a decimal comma. */
