@@ -59,8 +59,8 @@ export class JointLimits {
   #tell(modes) {
     const { change, witness, reason } = modes;
     const said = {
-      possible: () => `Yes: from pose ${witness.from} to pose ${witness.to} of L2 = ${witness.l2}, L3 = ${witness.l3}, by a path without a singularity. This is proved.`,
-      impossible: () => "No: without a singularity no pose can become another one of the same lengths. This is proved.",
+      possible: () => `Yes: from pose ${witness.from} to pose ${witness.to} at L2 = ${witness.l2}, L3 = ${witness.l3}, by a path without a singularity. This is proved.`,
+      impossible: () => "No: without a singularity, the machine cannot reach another pose with the same lengths. This is proved.",
       undecided: () => `Undecided: ${reason}.`,
     };
     write("modes-verdict", modes ? [nearText(nearOf(modes)), said[change]?.() ?? modes].filter(Boolean).join(" — ") : "");
