@@ -161,8 +161,7 @@ class LegPose(_PlatformPose):
         sign: The sign of J throughout the interval; null if it could not be decided.
         aspect: The aspect in which the pose stays throughout the interval, by its number in this document: in
             the slice of the first fixed leg, a path without a singularity joins two poses if and only if
-            their
-            numbers are equal. Null if it could not be decided.
+            their numbers are equal. Null if it could not be decided.
     """
 
     sign: int | None
