@@ -538,7 +538,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
     page.get_by_label("What to call").select_option("design")
     expect(page.locator("#code")).to_contain_text('"objective": "longest-range"')
     open_tab(page, "Design")
-    page.get_by_label("Sought").select_option("more cusps")
+    page.get_by_label("Goal").select_option("more cusps")
     for name, text in {"L1 from": "2", "to": "4", "Censuses": "2"}.items():
         page.get_by_role("tabpanel", name="Design").get_by_label(name, exact=True).fill(text)
     page.get_by_label("Censuses").press("Enter")
@@ -548,7 +548,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
     expect(page.locator("#improvements li")).to_have_count(2)
     assert page.locator("#mechanism-board .candidate").get_attribute("d"), "it is drawn"
     inspect(page, "improved")
-    page.get_by_role("button", name="Open the best found").press("Enter")
+    page.get_by_role("button", name="Open the best one found").press("Enter")
     expect(page).not_to_have_url(re.compile(SMALL))
     expect(page.locator("#open-best")).to_be_hidden()
     page.keyboard.press("Control+z")
@@ -560,7 +560,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
 def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{SMALL}&l1=3")
     open_tab(page, "Design")
-    page.get_by_label("Sought").select_option("more cusps")
+    page.get_by_label("Goal").select_option("more cusps")
     expect(page.get_by_label("Cusps, at most")).to_be_disabled()
     page.get_by_role("button", name="Search").click()
     expect(page.locator("#improvements li")).not_to_have_count(0)
@@ -569,7 +569,7 @@ def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page
     expect(page.get_by_role("button", name="Search")).to_be_enabled()
     expect(page.get_by_role("button", name="Stop, with the best so far")).to_be_disabled()
     page.get_by_label("L1 from").fill("2")
-    page.get_by_label("Sought").select_option("the least change")
+    page.get_by_label("Goal").select_option("the least change")
     page.get_by_role("button", name="Search").click()
     expect(page.locator("#improve-start")).to_be_disabled()
     open_tab(page, "Geometry")

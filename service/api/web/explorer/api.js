@@ -174,6 +174,6 @@ async function read(response) {
   try {
     return await response.json();
   } catch (error) {
-    throw error.name === "AbortError" ? error : new GoneError("The answer of the service broke off.");
+    throw error.name === "AbortError" ? error : new GoneError("The answer of the service was interrupted.");
   }
 }

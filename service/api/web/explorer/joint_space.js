@@ -130,7 +130,7 @@ export class JointSpace {
     move(this.#vector, place);
     const { rendNode } = this.#vector;
     rendNode.ariaLabel = `Joint vector, L2 = ${shortened(place[0])}, L3 = ${shortened(place[1])}`;
-    rendNode.dataset.what = `${rendNode.ariaLabel}: drag it, and its poses follow`;
+    rendNode.dataset.what = `${rendNode.ariaLabel}: drag it, and the poses follow`;
   }
 
   #drawMarks() {
@@ -216,7 +216,7 @@ export class JointSpace {
     bindPicking(this.#board, { ...this.#told, onPlace: (place) => this.#picked(place), isDrawing: () => this.isDrawing, onDraft: (limits) => this.drawLimits(limits) });
     this.#layer = new CurveLayer(this.#board, view);
     this.#limits = makeLine(this.#board, "limits", 3, "Joint limits of legs 2 and 3");
-    this.#others = makeLine(this.#board, "degenerate", 8, "A degenerate pose that is no cusp");
+    this.#others = makeLine(this.#board, "degenerate", 8, "A degenerate pose, not a cusp");
     this.#loop = makeLine(this.#board, "loop", 6);
     this.#vector = view === "joint" ? this.#makeVector() : null;
     this.#group = this.#board.renderer.layer[9];
