@@ -33,6 +33,8 @@ VALUES: dict[str, list[Any]] = {
     "condition": [True], "length_scale": [2.5], "max_condition": [40],
     "budget": [{"censuses": 44}], "seed": [5], "plot": ["census", "mechanism", "loop"],
     "theme": ["dark"], "pose": [2], "width_mm": [90], "style": ["paper"], "unit": ["mm"], "labels": ["none"],
+    "phi": [33, {"from": 0, "to": 40, "step": 10}], "angle1": [11], "angle2": [12], "angle3": [13],
+    "angle_tolerance_deg": [0.5],
 }  # fmt: skip
 """Values that are not those of a question without the member."""
 IMPLIED = {"condition": {"length_scale", "max_condition"}}
