@@ -80,12 +80,14 @@ class Neighbours:
         slice_map: of it and its fixed leg.
         unit: of scaled lengths.
         lengths: the least and the greatest value of each of its lengths, in the user's unit.
+        is_part: whether these are a part of what is asked for.
     """
 
     manipulator: Manipulator
     slice_map: SliceMap
     unit: Fraction
     lengths: tuple[tuple[Fraction, Fraction], ...]
+    is_part: bool = False
 
     @classmethod
     def of(
@@ -108,7 +110,20 @@ class Neighbours:
             for low, high in self.lengths
         ]
         for lengths in product(*halves):
-            yield replace(self, lengths=lengths)
+            yield replace(self, lengths=lengths, is_part=True)
+
+    def sum_over(self, proof: Callable[[Neighbours], int | None]) -> int | None:
+        """The number of steps of a proof for all of them together, or for each part; None if it fails."""
+        tests = proof(self)
+        if tests is not None:
+            return tests
+        tests = 0
+        for part in self.parts():
+            own = proof(part)
+            if own is None:
+                return None
+            tests += own
+        return tests
 
     @cached_property
     def legs(self) -> LegsInBalls:
