@@ -326,7 +326,9 @@ class _Question:
             return self._possible(path)
         best = max((_proved(path) for path in tried), default=None)
         bound = self._bound(best) if can_change else None
-        return self._answer(Change.UNDECIDED, reason=self._why_open(plain, best, bound), best=best, bound=bound)
+        return self._answer(
+            Change.UNDECIDED, reason=self._why_open(plain, best, bound), best=best, bound=bound
+        )
 
     def _held(self, around: Neighbours | None, paths: Iterable[Path], tried: list[Path]) -> Path | None:
         """The first of some paths that change the mode that keeps the thresholds, with its clearance; None if

@@ -63,9 +63,7 @@ class WideRegions:
     clearance: Fraction
 
     @classmethod
-    def of(
-        cls, model: FoldBoxes, span: tuple[Fraction, Fraction], clearance: Fraction
-    ) -> WideRegions | None:
+    def of(cls, model: FoldBoxes, span: tuple[Fraction, Fraction], clearance: Fraction) -> WideRegions | None:
         """Those of a range of scaled lengths, or of a slice; None if it is too wide."""
         low, high = span
         count = max(1, ceil((high - low) / model.unit / _SLAB))
