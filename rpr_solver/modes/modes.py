@@ -346,7 +346,7 @@ class _Question:
         return None if proof.left else proof.tests
 
     def _regions_apart(self, around: Neighbours | None, clearance: Fraction) -> int | None:
-        """The number of pairs of boxes that prove that no path keeps a clearance; None if that is not proved."""
+        """The number of pairs of boxes that prove that no path keeps a clearance; None if they do not."""
         low, high = self.reached
         if high is None or not clearance:
             return None
@@ -602,6 +602,6 @@ def check(
         tolerance=tolerance,
         with_regions=False,
     ).to_json()
-    names = ("change", "witness", "reason", "best_clearance", "certificate")
+    names = ("change", "witness", "reason", "best_clearance", "clearance_bound", "certificate")
     part = {name: found[name] for name in names if name in found}
     return replace(report, mode_change=part)

@@ -32,6 +32,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.pose_boxes import LegsInBalls, PoseBoxes, unit_of
+from rpr_solver.paths.pose_grid import degrees_of
 from rpr_solver.paths.proofs import NO_BOUNDS
 from rpr_solver.paths.routes import EndPose, Route
 from rpr_solver.paths.widest import on_arc
@@ -173,6 +174,26 @@ class Neighbours:
 
         with np.errstate(all="ignore"):  # what is no number proves nothing
             return holds(self) or all(map(holds, self.parts()))
+
+    def sign_near(self, pose: EndPose) -> int:
+        """The sign of J that all have at their poses with the legs of a pose of the given one, near to it; 0
+        if that is not proved."""
+        spot = np.array([*degrees_of(pose), double(pose.legs[0] / self.unit)])
+
+        def sign(some: Neighbours) -> int:
+            if (found := some._pose_near(pose, spot)) is None:
+                return 0
+            centre, reach = found
+            away = np.array([reach, reach, 0.0])
+            own = some._poses((centre - away)[None], (centre + away)[None])
+            value = own.over(*own.singularity)
+            return int(np.sign(value.mid[0])) if value.excludes_zero[0] else 0
+
+        with np.errstate(all="ignore"):  # what is no number proves nothing
+            if together := sign(self):
+                return together
+            signs = set(map(sign, self.parts()))
+        return signs.pop() if len(signs) == 1 else 0
 
     def _joins(
         self,

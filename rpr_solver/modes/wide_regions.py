@@ -98,7 +98,7 @@ class WideRegions:
         return tests
 
     def _kept(self, slab: Slab, size: int) -> tuple[Truths, Truths]:
-        """The cells that may hold poses that keep the clearance and the limits, with J > 0, and with J < 0."""
+        """Cells that may hold poses that keep the clearance and the limits, with J > 0, and with J < 0."""
         positive, negative = self._signs(slab, size)
         inside = self._inside(slab, size) & ~self._near(slab, size)
         return inside & ~negative, inside & ~positive
@@ -137,7 +137,7 @@ class WideRegions:
                 if reach <= 0:
                     break
                 zeros = unsure & (sign * np.roll(sign, -wide, axis) < 0)
-                # node (i, k) is the lower corner of cell (i, k); a step from an edge's middle to that of a cell
+                # node (i, k) is the lower corner of cell (i, k); steps go from edges' middles to cells'
                 along = (1 - wide) / 2
                 near |= _dilated(zeros, (along, 0.5) if axis == 0 else (0.5, along), reach)
                 unsure &= np.roll(sign, -wide, axis) == 0

@@ -67,7 +67,7 @@ def _mode_change() -> Read:
             "reason": nothing_or(text()),
             "certificate": anything,
         },
-        {"best_clearance": POSITIVE},
+        {"best_clearance": POSITIVE, "clearance_bound": POSITIVE},
     )
 
 

@@ -175,6 +175,8 @@ def test_connections_keep_thresholds(thresholds: dict[str, Any], groups: Any) ->
     [path] = document["paths"]
     assert path["poses"] == [1, 3]
     assert 8 < Fraction(path["clearance"]) < 9
+    is_loose = thresholds.get("tolerance") == 1
+    assert found.matrix[0][1] == ("undecided" if is_loose else "opposite-signs")
     word = found.matrix[0][2]
     assert word is None or word == ("too-narrow" if "tolerance" not in thresholds else "undecided")
 

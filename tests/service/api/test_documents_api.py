@@ -150,6 +150,15 @@ def test_a_rounded_special_machine_is_told_the_exact_one_which_is_answered_by_it
         assert not any("near" in document for document in (census, modes, report))
 
 
+def test_a_change_of_mode_keeps_thresholds(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": 27, "clearance": 0.5, "tolerance": "0.05"}
+    answer = api.post("/v1/assembly-modes", json=body, headers={"Prefer": "wait=60"}).json()
+    assert is_whole("AssemblyModes", answer)
+    assert (answer["change"], answer["asked"]["clearance"]) == ("possible", "0.5")
+    assert set(answer["asked"]["tolerance"].values()) == {"0.05"}
+    assert Fraction(answer["witness"]["path"]["clearance"]["proved"]) > 40
+
+
 def test_singular_curves_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
     body = {"geometry": GEOMETRY, "fixed_leg": 3, "l3": "28.1", "tolerance": 0.01}
     answer = api.post("/v1/singular-curves", json=body)
