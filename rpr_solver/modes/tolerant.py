@@ -4,7 +4,8 @@ A path that changes the assembly mode of the given manipulator is, in its angles
 On it J keeps its sign for all of them, which boxes prove. At its end a neighbour has other leg lengths than
 at its start, but a pose with those is near by: with Y near the inverse of the derivative of both legs, the
 map x ↦ x − Y (legs at x − legs at the start) takes a box round the end into itself for every manipulator
-(mathematics.md#zeros-in-boxes). That box has J ≠ 0 as well, so that each manipulator goes on to that pose.
+(mathematics.md#zeros-in-boxes). That box has J ≠ 0 as well, so that each manipulator goes on to that pose
+(mathematics.md#paths-of-neighbours).
 """
 
 from __future__ import annotations
