@@ -18,6 +18,7 @@ from rpr_solver import (
     Requirement,
     assembly_modes,
     check,
+    exact_str,
     pose_connections,
     verify_document,
 )
@@ -151,12 +152,34 @@ def test_a_looser_threshold_never_loses_a_yes() -> None:
         assert excluded == sorted(excluded)
 
 
-def test_pairs_that_a_grid_suggests_do_not_depend_on_what_is_asked() -> None:
+def test_pairs_that_a_grid_suggests_are_poses_of_one_joint_vector() -> None:
     slice_map = SliceMap.of(FIRST, 1)
-    pairs = list(wide_pairs(slice_map, 27 * Fraction(slice_map.scale), {}))
-    assert len(pairs) == 2
-    limited = list(wide_pairs(slice_map, 27 * Fraction(slice_map.scale), {2: (None, Fraction(20))}))
-    assert all(joint[0] < 20 for joint, _ in limited)
+    mover = Mover.of(FIRST, 1)
+    for bounds, count in (({}, 2), ({2: (None, Fraction(20))}, 1)):
+        pairs = list(wide_pairs(slice_map, 27 * Fraction(slice_map.scale), bounds))
+        assert len(pairs) >= count
+        for joint, spots in pairs:
+            assert joint[0] < bounds.get(2, (None, 99))[1]
+            places = [tuple(np.radians(spot)) for spot in spots]
+            for place in places:
+                found = mover.legs(*place, 27.0)[1:]
+                assert max(abs(x - float(y)) for x, y in zip(found, joint, strict=True)) < 1e-6
+            assert apart(*places) > 0.1
+
+
+def test_a_wide_change_is_found_where_the_grid_has_neighbours_with_like_legs() -> None:
+    machine = Manipulator(a2x="7.4", a3x=10, a3y="3.5", d1=8, d2=40, d3="38.24")
+    answer = assembly_modes(machine, "3.7", clearance=35, with_regions=False)
+    assert answer.change is Change.POSSIBLE
+
+
+@pytest.mark.long
+def test_a_clearance_that_none_keeps_is_told_where_it_is_open() -> None:
+    answer = asked(27, clearance=46)
+    assert answer.change is Change.UNDECIDED
+    assert answer.best < 46 < answer.bound
+    assert asked(27, clearance=answer.bound).change is Change.IMPOSSIBLE
+    assert answer.to_json()["clearance_bound"] == exact_str(answer.bound)
 
 
 @pytest.mark.parametrize(
