@@ -11,6 +11,9 @@ ahead. Of how many pictures the slice is the one that the slider names while it 
 later the others come than their length was named.
 
 While the joint vector is dragged, a picture is one of all its poses, which the page computes by itself.
+
+The joint space in three dimensions is opened and turned in a window of 1024 × 640 pixels, drawn by WebGL
+without a graphics processor: of the first example, and of a manipulator that the service has not seen before.
 """
 
 from __future__ import annotations
@@ -55,11 +58,13 @@ FOLLOW = """() => {
   new MutationObserver(note).observe(outlines, { attributeFilter: ["d"] });
 }"""
 """Notes the outlines of all poses but one, each time that they are drawn."""
-OPTIONS = ("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking")
+OPTIONS = ("--no-sandbox", "--disable-dev-shm-usage", "--disable-background-networking")
+FLAT, WEBGL = ("--disable-gpu",), ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+UNSEEN = "#g=15.95,0.02,10.05,17.06,16.57,20.83,ccw&l1=27"
 
 
 @contextmanager
-def browser() -> Iterator[Any]:
+def browser(graphics: tuple[str, ...] = FLAT) -> Iterator[Any]:
     """Chromium, or the end of the program with a word."""
     from playwright.sync_api import sync_playwright
 
@@ -67,7 +72,7 @@ def browser() -> Iterator[Any]:
     if path is None:
         raise SystemExit("no Chromium: apt-get install chromium, or name it in CHROMIUM")
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=path, args=list(OPTIONS))
+        chromium = playwright.chromium.launch(executable_path=path, args=[*OPTIONS, *graphics])
         yield chromium
         chromium.close()
 
@@ -103,7 +108,14 @@ def processor_seconds(pid: int) -> float:
     return sum(spent.get(member, 0) for member in family) / os.sysconf("SC_CLK_TCK")
 
 
-def drawn(page: Any, stack: Stack, move: Callable[[float], None]) -> str:
+def views(page: Any) -> int:
+    """Returns how often a page has drawn the joint space in three dimensions."""
+    return int(page.locator("#space-board").get_attribute("data-pictures"))
+
+
+def drawn(
+    page: Any, stack: Stack, move: Callable[[float], None], pictures: Callable[[Any], int] = pictures
+) -> str:
     """Returns what there is to say of the pictures that are drawn while something is moved."""
     metrics = page.context.new_cdp_session(page)
     metrics.send("Performance.enable")
@@ -186,6 +198,31 @@ def rehearsed(stack: Stack, lengths: Iterable[str]) -> None:
         list(pool.map(ask, lengths))
 
 
+def space(chromium: Any, stack: Stack, state: str) -> str:
+    """Returns how soon the joint space is there after a click, and how it is turned."""
+    page = chromium.new_context(viewport={"width": 1024, "height": 640}).new_page()
+    page.set_default_timeout(120_000)  # ms: others may use the computer, too
+    page.goto(f"{stack.url}/{state}")
+    page.wait_for_selector("#play:not([disabled])")
+    start = time.perf_counter()
+    page.locator("#view-space").check(force=True)
+    page.wait_for_selector("#space-board[data-pictures]")
+    first = time.perf_counter() - start
+    page.wait_for_selector("#space-board[data-edges]:not([data-edges='0'])")
+    whole = time.perf_counter() - start
+    time.sleep(PREPARATION)
+    box = page.locator("#space-board").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+
+    def move(seconds: float) -> None:
+        page.mouse.move(x + 100 * math.sin(2 * seconds), y + 30 * math.sin(3 * seconds))
+
+    soon = f"first picture {first:.2f} s, cusp curves {whole:.2f} s after the click"
+    return f"{soon}; {drawn(page, stack, move, views)}"
+
+
 def main() -> None:
     """Print the table."""
     form = argparse.RawDescriptionHelpFormatter
@@ -208,6 +245,9 @@ def main() -> None:
         print(f"L2 and L3 are dragged, all poses follow: {posing(page)}")
         page.locator("#mode-design").check()
         print(f"A3 is dragged, each time a new geometry: {dragging(page, stack)}")
+    with serving() as stack, browser(WEBGL) as chromium:
+        print(f"joint space of the first example: {space(chromium, stack, '')}")
+        print(f"joint space of a manipulator not seen before: {space(chromium, stack, UNSEEN)}")
 
 
 if __name__ == "__main__":

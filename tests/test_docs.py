@@ -135,13 +135,13 @@ def test_every_link_leads_somewhere(path: str) -> None:
 def test_no_text_makes_cusps_the_only_way_to_change_the_assembly_mode() -> None:
     """What is known stands on one page with its sources, and others lead there."""
     [known] = re.findall(
-        r"^## Cusps and assembly modes\n(.*?)^## ", TEXTS["paths.md"], re.MULTILINE | re.DOTALL
+        r"^## Cusps and assembly modes\n(.*?)^## ", TEXTS["assembly-modes.md"], re.MULTILINE | re.DOTALL
     )
     for source in ("arXiv:1604.08742", "Bamberger", "2008", "Coste", "Chablat", "Wenger", "2014"):
         assert source in known
     readers = {"README.md": (ROOT / "README.md").read_text(encoding="utf-8"), **TEXTS}
     for page in ("README.md", "gate.md", "article.md", "explorer.md"):
-        assert "paths.md#cusps-and-assembly-modes" in readers[page]
+        assert "assembly-modes.md#cusps-and-assembly-modes" in readers[page]
     sources = [p for name in ("rpr_solver", "worker", "service") for p in (ROOT / name).rglob("*.py")]
     texts = {**readers, **{str(p): p.read_text(encoding="utf-8") for p in [*sources, ROOT / "openapi.yaml"]}}
     claim = re.compile(r"\bonly\s+(?:by|way|if|when)\b[^.]{0,60}\b(?:round|encircl\w+)\b[^.]{0,20}\bcusp")

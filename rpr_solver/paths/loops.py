@@ -132,11 +132,11 @@ def cusp_loop(
 ) -> Path:
     """A loop of the leg lengths round a cusp, which carries one pose to another without a singularity.
 
-    The loop begins and ends at one joint vector. The platform follows continuously, J ≠ 0 all along, and yet
-    it arrives at another pose: the manipulator changes its assembly mode, which is possible in other ways too
-    (paths.md#cusps-and-assembly-modes). Run backwards (``reversed``) the loop carries the second pose to the
-    first. It turns round this cusp counter-clockwise, and round no other cusp of the slice but its twins,
-    which have the same joint vector, as for congruent triangles.
+    The loop begins and ends at one joint vector. The platform follows continuously, J ≠ 0 all along, and
+    yet it arrives at another pose: the manipulator changes its assembly mode, which is possible in other
+    ways too (assembly-modes.md#cusps-and-assembly-modes). Run backwards (``reversed``) the loop carries
+    the second pose to the first. It turns round this cusp counter-clockwise, and round no other cusp of
+    the slice but its twins, which have the same joint vector, as for congruent triangles.
 
     Args:
         manipulator: the geometry.

@@ -47,6 +47,8 @@ KINDS: Mapping[str, tuple[str, Callable[[Leg], Read], Claims]] = {
 _UNVERIFIED: Mapping[str, str] = {
     "moving_leg": "poses along a leg",
     "sensed": "poses with angles of legs",
+    "change": "assembly modes",
+    "matrix": "connections of poses",
     "conic": "a workspace",
     "orientations": "workspaces of several orientations",
 }

@@ -74,7 +74,7 @@ def _margin(document: Mapping[str, Any]) -> Page:
         values.append(("refuted at", example["radius"]))
     title = f"Margin of {cusps}{place}"
     if document["verdict"] is not None:
-        title += "; radii are multiples of the tolerance"
+        title += "; radii: 1 = the tolerance"
     sections = [Section(title, [["", ""], *([name, text] for name, text in values if text is not None)])]
     if first is not None:
         rows = [{"transition": mover[leg], **mover["sensitivity"]} for mover in first["binding"]]

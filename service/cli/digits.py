@@ -47,21 +47,27 @@ def printed(document: dict[str, Any], digits: int, ask: Callable[[int], dict[str
 def rounded(document: dict[str, Any], digits: int) -> dict[str, Any]:
     """Returns a document whose numbers have at most this number of significant digits, correctly rounded.
 
-    Only numbers with all digits of the document change: bounds, and numbers as they were given, are exact.
+    Only numbers with all digits of the document change, and sensitivities, which have fewer. Bounds, and
+    numbers as they were given, are exact.
 
     >>> rounded({"digits": 15, "l1": "12.500", "cusps": [{"l2": "26.7863808708888"}]}, 6)["cusps"]
     [{'l2': '26.7864'}]
     """
     computed = document.get("digits", 0)
 
-    def short(value: Any) -> Any:
+    def short(value: Any, is_slope: bool = False) -> Any:
         if isinstance(value, str):
             match = _NUMBER.fullmatch(value)
-            is_long = match is not None and len(match[1].lstrip("0.").replace(".", "")) == computed
-            return rounded_text(value, digits) if is_long else value
+            count = len(match[1].lstrip("0.").replace(".", "")) if match else 0
+            return (
+                rounded_text(value, digits) if count == computed or (is_slope and count > digits) else value
+            )
         if isinstance(value, Mapping):
-            return {name: part if name == "geometry" else short(part) for name, part in value.items()}
-        return list(map(short, value)) if isinstance(value, list) else value
+            return {
+                name: part if name == "geometry" else short(part, is_slope or name == "sensitivity")
+                for name, part in value.items()
+            }
+        return [short(part, is_slope) for part in value] if isinstance(value, list) else value
 
     return document if computed <= digits else short(document)
 

@@ -28,6 +28,7 @@ CHROMIUM = next(
 OPTIONS = (
     "--no-sandbox",  # which root cannot have
     "--disable-gpu",
+    "--disable-3d-apis",
     "--disable-dev-shm-usage",
     "--disable-background-networking",
     "--disable-component-update",
@@ -42,18 +43,42 @@ RULES = {"type": "tag", "values": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "
 BRIEF = {"resultTypes": ["violations"]}
 
 
+WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""In place of what disables it: WebGL without a graphics processor."""
+
+
 @pytest.fixture(scope="package")
-def browser() -> Iterator[Any]:
+def playwright() -> Iterator[Any]:
     if CHROMIUM is None:
         pytest.skip("no Chromium: apt-get install chromium-headless-shell, or name it in CHROMIUM")
     sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install -e '.[test]'")
     sync_api.expect.set_options(timeout=1000 * PATIENCE)
     with sync_api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=list(OPTIONS), timeout=1000 * PATIENCE
-        )
+        yield playwright
+
+
+@contextmanager
+def _launched(playwright: Any, options: tuple[str, ...]) -> Iterator[Any]:
+    chromium = playwright.chromium.launch(
+        executable_path=CHROMIUM, args=list(options), timeout=1000 * PATIENCE
+    )
+    yield chromium
+    chromium.close()
+
+
+@pytest.fixture(scope="package")
+def browser(playwright: Any) -> Iterator[Any]:
+    """It has no WebGL."""
+    with _launched(playwright, OPTIONS) as chromium:
         yield chromium
-        chromium.close()
+
+
+@pytest.fixture(scope="package")
+def webgl_browser(playwright: Any) -> Iterator[Any]:
+    """Another one, with WebGL by software."""
+    options = tuple(option for option in OPTIONS if option not in {"--disable-gpu", "--disable-3d-apis"})
+    with _launched(playwright, (*options, *WEBGL)) as chromium:
+        yield chromium
 
 
 @pytest.fixture(scope="package")
@@ -108,17 +133,18 @@ def shared_page(profile: Any) -> Any:
 
 
 @pytest.fixture
-def open_page(browser: Any, shared_page: Any) -> Iterator[Callable[..., Any]]:
-    """Opens a page, in a profile of its own if it has options.
+def open_page(browser: Any, shared_page: Any, request: pytest.FixtureRequest) -> Iterator[Callable[..., Any]]:
+    """Opens a page, in a profile of its own if it has options or is to have WebGL.
 
     Whatever it complains of fails the test, unless it contains what is `expected`.
     """
     complaints: list[str] = []
     with ExitStack() as opened:
 
-        def open_it(url: str, *, expected: str = "", **options: Any) -> Any:
-            if options:
-                page = opened.enter_context(_profile(browser, **options)).new_page()
+        def open_it(url: str, *, expected: str = "", has_webgl: bool = False, **options: Any) -> Any:
+            if options or has_webgl:
+                own = request.getfixturevalue("webgl_browser") if has_webgl else browser
+                page = opened.enter_context(_profile(own, **options)).new_page()
                 opened.callback(page.close)
             else:
                 page = shared_page
@@ -154,7 +180,7 @@ def photograph() -> Callable[[Any, str], None]:
     return lambda page, name: page.screenshot(path=folder / f"{name}.png", full_page=True)
 
 
-EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "merging", "phone", "refuted"}
+EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "merging", "phone", "refuted", "space"}
 """The states of the page that axe inspects each time; all others with `--long`."""
 
 

@@ -326,7 +326,7 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     slider, verdict = page.locator("#tolerance-slider"), page.locator("#verdict")
     expect(slider).to_have_attribute("aria-valuetext", "plus or minus 0.001")
     open_tab(page, "How exactly?")
-    page.get_by_role("button", name="Decide").click()
+    page.get_by_role("button", name="Check", exact=True).click()
     expect(verdict).to_have_text("Refuted: not 10 cusps at L1 = 28.1 for every geometry within ± 0.001.")
     expect(page.locator("#first-order")).to_contain_text("an estimate: ± 0.0006")
     binding = "beak-to-beak at L1 = 28.0949, which moves most with a3x −2.40, a3y +2.32, d1 +1.96"
@@ -368,7 +368,7 @@ def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: O
     page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
     expect(page.locator("#census-degenerate li")).to_have_count(2)
     open_tab(page, "How exactly?")
-    page.get_by_role("button", name="Decide").click()
+    page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
 
 
@@ -1163,7 +1163,7 @@ def test_other_ways_of_looking(
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
     open_tab(page, "How exactly?")
-    page.get_by_role("button", name="Decide").click()
+    page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#verdict")).to_contain_text("8 cusps at L1 = 27")
     inspect(page, name)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -90,7 +90,7 @@ DESCRIPTION = (
     """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 
-Post a question to its address:
+Send each kind of question to its own endpoint:
 
 """
     + "".join(f"- `{question.path}`: {question.summary}\n" for question in all_questions())

@@ -20,6 +20,8 @@ from tests.support.service_server import GEOMETRY, serving
 
 ROOT = Path(__file__).parents[3]
 MODULES = sorted(path.name for path in (WEB / "explorer").glob("*.js"))
+LATER = sorted(path.name for path in (WEB / "space").glob("*.js"))
+"""The modules that are loaded when somebody opens what they draw."""
 
 
 def test_the_page_allows_nothing_inline_and_nothing_from_elsewhere(idle: httpx.Client) -> None:
@@ -61,7 +63,20 @@ def test_modules_import_only_each_other_and_the_drawing_library(name: str) -> No
     assert imported <= {f"./{module}" for module in MODULES} | library
 
 
-@pytest.mark.parametrize("folder", [WEB / "jsxgraph", ROOT / "tests" / "browser" / "axe"])
+@pytest.mark.parametrize("name", LATER)
+def test_modules_of_the_space_are_loaded_only_with_it(idle: httpx.Client, name: str) -> None:
+    text = (WEB / "space" / name).read_text(encoding="utf-8")
+    imported = set(re.findall(r'from "(.+)";', text))
+    library = {"../three/three.min.mjs"} if name == "webgl.js" else set()
+    known = {f"./{module}" for module in LATER} | {f"../explorer/{module}" for module in MODULES}
+    assert imported <= known | library
+    page = idle.get("/").text
+    assert f"static/space/{name}" not in page
+    assert "three.min.mjs" not in page
+    assert idle.get(f"/static/space/{name}").headers["cache-control"] == "no-cache"
+
+
+@pytest.mark.parametrize("folder", [WEB / "jsxgraph", WEB / "three", ROOT / "tests" / "browser" / "axe"])
 def test_what_others_wrote_is_unchanged(folder: Path) -> None:
     sums = dict(
         re.findall(r"^\| ([\w.]+) \| ([0-9a-f]{64}) \|$", (folder / "SOURCE.md").read_text(), re.MULTILINE)

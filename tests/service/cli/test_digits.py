@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.cli import pages
-from service.cli.digits import are_alike, printed
+from service.cli.digits import are_alike, printed, rounded
 from tests.support.cli_process import Run
 
 NEAR_SIMILAR = {"a2x": 30, "a3x": 0, "a3y": "40.00001", "d1": 15, "d2": 25, "d3": 20}
@@ -91,3 +91,11 @@ def test_cells_that_differ_still_do_when_they_are_cut(cells: list[str], width: i
     assert len(set(short)) == len(set(cells))
     for cell, text in zip(cells, short, strict=True):
         assert cell.startswith(text.rstrip("…"))
+
+
+def test_sensitivities_which_have_fewer_digits_are_rounded_too() -> None:
+    event = {"sensitivity": {"a2x": "-0.86453449186758903132", "d1": None}, "alpha_deg": "1.25"}
+    shown = rounded({"digits": 22, "transitions": [{"events": [event]}]}, 6)
+    assert shown["transitions"][0]["events"] == [
+        {"sensitivity": {"a2x": "-0.864534", "d1": None}, "alpha_deg": "1.25"}
+    ]

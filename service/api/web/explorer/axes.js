@@ -56,7 +56,7 @@ function tick(d, text, at) {
   return [shape("path", { class: "axis", d }), shape("text", { class: "tick-label", ...at }, text)];
 }
 
-function ticksOf(low, high, most, isAngle) {
+export function ticksOf(low, high, most, isAngle) {
   const rough = (high - low) / Math.max(most, 2);
   const power = 10 ** Math.floor(Math.log10(rough));
   const round = isAngle && rough > 12 ? [15, 30, 45, 60, 90, 180] : [1, 2, 5, 10].map((digit) => digit * power);
@@ -66,7 +66,7 @@ function ticksOf(low, high, most, isAngle) {
   return isAngle ? ticks.filter((value) => Math.abs(value) <= 180) : ticks;
 }
 
-function tickText(value, isAngle) {
+export function tickText(value, isAngle) {
   const rounded = Number(value.toPrecision(10));
   const size = Math.abs(rounded);
   const text = size === 0 || (size >= 1e-3 && size < 1e5) ? String(rounded) : rounded.toExponential();

@@ -146,17 +146,18 @@ function namedAspects({ aspects }) {
   return aspects.map((aspect) => ({ ...aspect, name: aspectName(aspect.sign, seen[aspect.sign]++) }));
 }
 
-/** Shows the entries of a legend that are there: a sample of the named class, `as` an area, a line or a mark, and a text. */
+/** Shows the entries of a legend that are there: a sample of the named class, `as` an area, a line, a mark or a path `d`, and a text. */
 export function showLegend(entries, id = "legend") {
   const shown = entries.filter((entry) => entry.if ?? true);
   const text = JSON.stringify(shown);
   if (byId(id).dataset.shown === text) return;
   byId(id).dataset.shown = text;
-  byId(id).replaceChildren(...shown.map(({ name, text: words, as = "area" }) => {
+  byId(id).replaceChildren(...shown.map(({ name, text: words, as = "area", d }) => {
     const sample = shape("svg", { viewBox: "0 0 20 12", "aria-hidden": "true" });
     sample.append({
       area: () => shape("rect", { width: 20, height: 12, class: `area ${name}` }),
       line: () => shape("path", { d: "M0 6H20", class: name }),
+      path: () => shape("path", { d, class: name }),
       mark: () => shape("circle", { cx: 10, cy: 6, r: 5, class: name }),
       cross: () => shape("path", { d: "M5 1L15 11M5 11L15 1", class: name }),
     }[as]());

@@ -60,7 +60,7 @@ export class Exactness {
     byId("verdict").classList.add(verdict);
     if (first) {
       const radius = Number((Number(first.radius) * Number(tolerance)).toPrecision(3));
-      write("first-order", `First order, an estimate: ±\u00a0${radius}. What binds it:`);
+      write("first-order", `First order, an estimate: ±\u00a0${radius}. Limiting transitions:`);
       byId("binding").replaceChildren(...first.binding.map(moverOf));
     }
     if (!example) return;

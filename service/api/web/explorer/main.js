@@ -24,6 +24,7 @@ import { Poses } from "./poses.js";
 import { censusOf, curvesOf, cuspCurvesOf, loopOf, posesOf, tableOf, toleranceAt } from "./questions.js";
 import { Save } from "./save.js";
 import { lack, showCount } from "./slice.js";
+import { SpaceView } from "./space_view.js";
 import { faultOf, geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { Steps } from "./steps.js";
 import { CuspTable } from "./table.js";
@@ -66,6 +67,15 @@ class Explorer {
     onLimits: (limits) => this.#limit(limits),
     onZoom: (factor) => this.#refine(factor),
   });
+  #space = new SpaceView({
+    onSelect: (index) => this.#select(index),
+    onGo: (l1) => this.#change({ l1, at: null }),
+    onEye: (eye) => {
+      this.state = { ...this.state, eye };
+      this.#tell(true);
+    },
+    ask: (name, question, told) => this.asking.ask(name, this.state, question, { isLate: true, ...told }),
+  });
   #table = new CuspTable({ onSelect: (index) => this.#select(index) });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #poses = new Poses({ onPick: (vector) => this.#pick(vector), onChoose: (pose) => this.#choosePose({ pose }) });
@@ -84,7 +94,12 @@ class Explorer {
     ask: (...question) => this.#ask(...question),
   });
   #calls = new Calls();
-  #save = new Save();
+  #save = new Save({
+    space: () => {
+      this.#view("space");
+      return this.#space.image();
+    },
+  });
   #steps = new Steps({ onGo: (hash) => this.#go(hash) });
   #pictures = new Pictures(this);
 
@@ -97,6 +112,7 @@ class Explorer {
     this.#joint.drawLimits(this.state.limits);
     on("near-open", "click", () => this.#open(this.#near.spelling));
     this.#settle();
+    this.#space.open(this.state.view === "space");
     for (const radio of document.querySelectorAll("input[name=view]")) on(radio, "change", () => this.#view(radio.value));
     for (const radio of document.querySelectorAll("input[name=mode]")) on(radio, "change", () => this.#take({ mode: radio.value }));
   }
@@ -180,6 +196,7 @@ class Explorer {
     this.#improve.propose(l1);
     this.#poses.show(this.state.at);
     byId(`view-${view}`).checked = true;
+    this.#fillSpace();
     byId(`mode-${mode}`).checked = true;
     this.#mechanism.mode = mode;
     byId("slice").classList.toggle("stale", !this.isShown);
@@ -302,7 +319,8 @@ class Explorer {
     byId("slice").classList.toggle("stale", !this.isShown);
     byId("slice").classList.remove("late");
     if (curves) lack(state.l1, "");
-    this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    if (!this.#space.isOpen) this.#joint.draw(slice, curves, this.state.view, this.#selected);
+    this.#fillSpace();
     showLegend(legendOf(curves, this.state.view));
     this.#visit(this.#selected);
     if (!this.state.at) this.#drawVector();
@@ -319,6 +337,7 @@ class Explorer {
     if (!path) return false;
     this.#motion.show(path);
     this.#joint.drawLoop(this.#motion.samples);
+    this.#fillSpace();
     this.#draw();
     return true;
   }
@@ -404,6 +423,7 @@ class Explorer {
 
   #drawPoses() {
     this.#drawVector();
+    this.#fillSpace();
     this.#draw();
   }
 
@@ -427,6 +447,7 @@ class Explorer {
     this.#motion.show(null);
     if (!isDrawn) return;
     this.#joint.drawLoop([]);
+    this.#fillSpace();
     if (!this.state.at) this.#mechanism.clearOthers();
   }
 
@@ -438,6 +459,7 @@ class Explorer {
     this.#mechanism.draw(geometry, sample, othersOf(poses, pose));
     this.#joint.drawPoses({ ...sample, pose }, poses);
     this.#last = sample;
+    this.#fillSpace(sample);
   }
 
   async #askCensus(state) {
@@ -454,6 +476,7 @@ class Explorer {
     this.state = { ...this.state, limits };
     this.#limits.show(limits, this.#slice?.cusps);
     this.#joint.drawLimits(limits);
+    this.#fillSpace();
     if (limits) this.#limits.draws(false);
     this.#tell();
   }
@@ -471,6 +494,7 @@ class Explorer {
     this.state = { ...this.state, cusp: index };
     this.#following.start(this.#slice.l1, this.#cusp);
     if (this.isShown) this.#joint.select(index);
+    this.#fillSpace();
     this.#table.select(index);
     this.#visit(index);
     if (!this.state.at) this.#drawPoses();
@@ -495,8 +519,17 @@ class Explorer {
     this.state = { ...this.state, view };
     byId(`view-${view}`).checked = true;
     if (isStep) this.#tell();
-    this.#joint.show(view);
+    this.#space.open(view === "space");
+    if (view !== "space" && this.#slice) this.#joint.draw(this.#slice, this.#curves, view, this.#selected);
+    this.#fillSpace();
     showLegend(legendOf(this.#curves, view));
+  }
+
+  /** Tells the picture in three dimensions what there is to see. */
+  #fillSpace(here = null) {
+    const { geometry, l1, limits, at, eye } = this.state;
+    const isShown = Boolean(this.isShown && this.#curves);
+    this.#space.set({ geometry, l1, limits, at, eye, here, isShown, slice: this.#slice, curves: this.#curves, selected: this.#selected, path: this.#motion.samples });
   }
 
   #draw() {

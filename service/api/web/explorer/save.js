@@ -8,8 +8,12 @@ const SCALE = 2; // pixels of a PNG by one of the picture
 
 export class Save {
   #state = null;
+  #canvases;
 
-  constructor() {
+  /** `canvases` gives those of pictures that the page itself draws, by name. */
+  constructor(canvases) {
+    this.#canvases = canvases;
+    on("picture", "change", () => (byId("svg").disabled = byId("picture").value in canvases));
     on("copy-link", "click", () => copy(location.href, "The link is copied."));
     on("svg", "click", () => save(pictureOf(this.#state, byId("picture").value), "image/svg+xml", "cusps.svg"));
     on("png", "click", () => this.#png());
@@ -27,16 +31,22 @@ export class Save {
 
   async #png() {
     try {
-      const svg = await (await fileOf(pictureOf(this.#state, byId("picture").value), "image/svg+xml")).text();
-      const image = new Image();
-      image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
-      await image.decode();
-      const canvas = make("canvas", { width: SCALE * image.width, height: SCALE * image.height });
-      canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+      const own = this.#canvases[byId("picture").value];
+      const canvas = own ? await own() : await this.#printed();
       make("a", { href: canvas.toDataURL("image/png"), download: "cusps.png" }).click();
     } catch (error) {
       say(error.message);
     }
+  }
+
+  async #printed() {
+    const svg = await (await fileOf(pictureOf(this.#state, byId("picture").value), "image/svg+xml")).text();
+    const image = new Image();
+    image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
+    await image.decode();
+    const canvas = make("canvas", { width: SCALE * image.width, height: SCALE * image.height });
+    canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+    return canvas;
   }
 }
 

@@ -1,12 +1,13 @@
 /**
  * What the page shows, and its address: `#g=15.91,0,10,17.04,16.54,20.84,ccw&l1=14.98&c=B&v=joint`, or with two
  * triangles `#g=points,0,0,10,0,5,8;sides,3,4,5;cw`; and perhaps `&p=16,20,2`: L2, L3 and the number of a pose; and
- * `&b=14,18,15,`: joint limits of legs 2 and 3; and `&m=design`, if a drag of the mechanism makes another one.
+ * `&b=14,18,15,`: joint limits of legs 2 and 3; and `&m=design`, if a drag of the mechanism makes another one; and
+ * `&e=-35,24`: from where the joint space is seen.
  */
 
 import { FORMS, LENGTHS, formOf, isSix, numbersOf, triangleOf } from "./geometry.js";
 
-export const VIEWS = ["joint", "torus"];
+export const VIEWS = ["joint", "torus", "space"];
 export const MODES = ["move", "design"]; // what a drag of the mechanism does
 
 /** The geometry of its text, or null: lengths and orientation, or two triangles, with commas between their parts. */
@@ -44,7 +45,7 @@ export function stateOf(hash) {
   const view = VIEWS.includes(given.get("v")) ? given.get("v") : VIEWS[0];
   const [at, limits] = [vectorOf(given.get("p")), limitsOf(given.get("b"))];
   const mode = MODES.includes(given.get("m")) ? given.get("m") : MODES[0];
-  return { geometry, l1: given.get("l1") ?? "1", cusp: numberOf(given.get("c")), view, at, limits, mode };
+  return { geometry, l1: given.get("l1") ?? "1", cusp: numberOf(given.get("c")), view, at, limits, mode, eye: given.get("e") };
 }
 
 /** Why an address has no state, for the person who followed the link. */
@@ -57,11 +58,12 @@ export function faultOf(hash) {
   return `This link cannot be read: g=${given} has ${count} part${count === 1 ? "" : "s"}, but ${parts} are expected.${hint} The first example is shown.`;
 }
 
-export function hashOf({ geometry, l1, cusp, view, at, limits, mode }) {
+export function hashOf({ geometry, l1, cusp, view, at, limits, mode, eye }) {
   const parts = [["g", geometryText(geometry)], ["l1", l1], ["c", letterOf(cusp)], ["v", view]];
   if (at) parts.push(["p", [at.l2, at.l3, at.pose + 1].join(",")]);
   if (limits) parts.push(["b", ["l2", "l3"].flatMap((leg) => [limits[leg]?.min ?? "", limits[leg]?.max ?? ""]).join(",")]);
   if (mode !== MODES[0]) parts.push(["m", mode]);
+  if (eye && view === "space") parts.push(["e", eye]);
   return `#${parts.map(([name, text]) => `${name}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%3B", ";")}`).join("&")}`;
 }
 
