@@ -25,6 +25,7 @@ from service.schemas.poses import AspectsRequest, PosesRequest, SingularCurvesRe
 from service.schemas.questions import Question
 from service.schemas.registry import all_questions
 from service.schemas.tables import CuspTableRequest
+from service.schemas.workspaces import WorkspaceRequest
 from tests.support.service_server import GEOMETRY
 from worker.answers.kinds import KINDS
 
@@ -136,6 +137,7 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
         PlotRequest,
         MarginRequest,
         DesignRequest,
+        WorkspaceRequest,
     )
     expected = {CheckRequest: 30, **dict.fromkeys(of_15, 15)}
     assert digits == expected.get(question, 50)
