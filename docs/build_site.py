@@ -46,7 +46,8 @@ class Page(HTMLParser):
 
 OPENED = {'<p class="caption" role="heading">': '<p class="caption" role="heading" aria-level="2">'}
 OPENED |= {"<pre>": '<pre tabindex="0">'}
-"""What the theme leaves out for those who use no mouse: levels of headings, and blocks that a key scrolls."""
+OPENED |= {'<aside class="sidebar-drawer">': '<aside class="sidebar-drawer" aria-label="Pages">'}
+"""What the theme leaves out for those who use no mouse: levels of headings, names, blocks that scroll."""
 
 
 def build(site: Path) -> None:

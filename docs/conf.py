@@ -1,8 +1,10 @@
 """Settings of Sphinx for the site of these pages, which `python docs/build_site.py` builds."""
 
+import sys
 import tomllib
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parent))
 PROJECT = tomllib.loads(Path(__file__).parents[1].joinpath("pyproject.toml").read_text("utf-8"))["project"]
 
 project = PROJECT["name"]
@@ -10,7 +12,10 @@ version = release = PROJECT["version"]
 copyright = "2026, the rpr-cusps authors"
 language = "en"
 
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "mathml"]
+myst_enable_extensions = ["dollarmath"]
+myst_dmath_allow_space = False
+html_math_renderer = "mathml"
 myst_heading_anchors = 3
 nitpicky = True
 highlight_language = "text"

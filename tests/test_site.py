@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -21,11 +23,41 @@ def test_broken_links_are_seen(tmp_path: Path) -> None:
     assert list(broken(page)) == ["page.md: #b", "page.md: z.svg"]
 
 
+PARTS = {"msub": 2, "msup": 2, "mover": 2, "mfrac": 2, "msubsup": 3}
+"""Elements of MathML that browsers show only with so many parts."""
+
+
+def misshapen(page: str) -> list[str]:
+    """The formulas of a page that a browser would not show as they are meant."""
+    wrong = []
+    for formula in re.findall(r"<math.*?</math>", page, re.DOTALL):
+        tree = ElementTree.fromstring(formula)
+        parts = [(element.tag.rpartition("}")[2], len(element)) for element in tree.iter()]
+        if any(PARTS.get(tag, number) != number for tag, number in parts):
+            wrong.append("".join(tree.itertext()))
+    return wrong
+
+
+def test_formulas_become_mathml_and_an_unknown_command_is_refused() -> None:
+    pytest.importorskip("sphinx", reason="needs the extra `docs`")
+    from docs.mathml import mathml
+
+    set_ = mathml(r"J_1'^2 ≠ −\operatorname{Res}_t \sin^k α", "inline")
+    assert "".join(ElementTree.fromstring(set_).itertext()) == "J1′2≠−Restsinkα"
+    assert misshapen(set_) == []
+    assert misshapen("<p><math><msub><mi>a</mi></msub></math></p>") == ["a"]
+    with pytest.raises(ValueError, match="nosuch"):
+        mathml(r"\nosuch x", "inline")
+
+
 @pytest.mark.long
 def test_the_site_builds_without_a_warning_and_every_link_in_it_leads_somewhere(tmp_path: Path) -> None:
     pytest.importorskip("sphinx", reason="needs the extra `docs`")
     assert build_site.main([str(tmp_path / "site")]) == 0
-    assert {path.stem for path in (tmp_path / "site").glob("*.html")} >= PAGES
+    built = {path.stem: path.read_text(encoding="utf-8") for path in (tmp_path / "site").glob("*.html")}
+    assert built.keys() >= PAGES
+    assert {name: wrong for name, page in built.items() if (wrong := misshapen(page))} == {}
+    assert "<math" in built["mathematics"]
 
 
 def test_faults_of_a_site_are_seen(tmp_path: Path) -> None:

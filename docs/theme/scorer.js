@@ -1,7 +1,7 @@
 // How the search of the site sorts what it finds: a page whose title has all that was typed comes first.
 const typed = (new URLSearchParams(location.search).get("q") || "").toLowerCase().split(/\s+/).filter(Boolean);
 
-const Scorer = {
+var Scorer = {
   score: ([, title, anchor, , score]) => {
     const words = title.toLowerCase();
     return score + (!anchor && typed.every((word) => words.includes(word)) ? 100 : 0);

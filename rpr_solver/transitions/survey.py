@@ -21,7 +21,7 @@ from math import prod
 
 from flint import acb, arb, ctx
 
-from rpr_solver.contract import MIN_DIGITS, Progress
+from rpr_solver.contract import MIN_DIGITS, Progress, check_type
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact import decided
 from rpr_solver.exact.factors import minimal_polynomial, same_number
@@ -250,9 +250,10 @@ def survey(
         extra_events: gives further events, such as those of joint limits.
 
     Raises:
-        InputError: ``fixed_leg`` is not 1, 2 or 3.
+        InputError: naming ``manipulator`` or ``fixed_leg``.
         SolverError: an event could not be decided, or sides differ too much.
     """
+    check_type(manipulator, Manipulator, "manipulator")
     _check_spread(manipulator)
     eliminant = eliminate(manipulator, fixed_leg)
     manipulator.geometry.apart_from_shared()

@@ -96,15 +96,6 @@ class TestFewerDigits:
             "cusps": [{"alpha_deg": "180.000000000000", "l2": "-180.000000000000"}]
         }
 
-    def test_digits_cannot_be_added(self) -> None:
-        document = slice_of([], [], 20)
-        assert shorten_slice(document, 20, 21) is None
-        assert shorten_slice(document, 20, 20) == document
-
-    def test_an_error_stays_as_it_is(self) -> None:
-        document = {"l1": "5", "error": {"type": "solver-error", "detail": "undecided"}}
-        assert shorten_slice(document, 30, 15) == document
-
     @pytest.mark.parametrize("length", [3, "34.5"])
     def test_a_solved_slice_becomes_the_one_of_fewer_digits(self, length: int | str) -> None:
         many, few = (solve_slice(eliminant_of(FLAT), length, digits).to_json() for digits in (60, 20))
@@ -208,11 +199,6 @@ class TestPartOfARange:
             assert restrict_census(document, None, None, 17) is not None
         assert restrict_census(of_length, 5, None, 15) is not None  # it is outside
 
-    def test_digits_cannot_be_added(self) -> None:
-        document = census_json([], 20, Fraction(0), None)
-        assert restrict_census(document, None, None, 21) is None
-        assert restrict_census(document, None, None) == document
-
     @pytest.mark.parametrize(
         ("arguments", "fields"),
         [
@@ -268,39 +254,6 @@ class TestCsv:
             "lips", "", "0", "1.00000000000000"
         )  # fmt: skip
         assert (curve["kind"], curve["equation"], curve["l2"]) == ("curve", "alpha = 180", "")
-
-    def test_curves_and_censuses_have_what_is_degenerate_in_words(self) -> None:
-        parts = [
-            {"kind": "curve", "from": "0", "to": None, "equation": "alpha = 0 deg"},
-            {"kind": "curve", "from": "3", "to": "3"},
-            {"kind": "node", "from": "0", "to": "2", "count": 4},
-        ]
-        every, one, nodes = (
-            "curve of degenerate poses in every slice: alpha = 0 deg",
-            "curve of degenerate poses at L2 = 3",
-            "4 poses of kind node in every slice for L2 from 0 to 2",
-        )
-        shown = lines(curves_csv({"fixed_leg": 2, "curves": [], "degenerate": parts}))
-        assert [(row["kind"], row["degenerate"], row["cusp"]) for row in shown] == [
-            ("curve", every, ""), ("curve", one, ""), ("node", nodes, "")
-        ]  # fmt: skip
-        ends = ["0", "2", "3", "5", None]
-        intervals = [{"from": a, "to": b, "count": 0} for a, b in pairwise(ends)]
-        document = {"fixed_leg": 2, "transitions": [], "intervals": intervals, "degenerate": parts}
-        assert [row["degenerate"] for row in lines(census_csv(document))] == [
-            f"{every}; {nodes}", f"{every}; {one}", every, every
-        ]  # fmt: skip
-
-    @pytest.mark.parametrize(("leg", "others"), [(2, "l1,l3"), (3, "l1,l2")])
-    def test_columns_follow_the_fixed_leg(self, leg: int, others: str) -> None:
-        document: dict[str, Any] = {"fixed_leg": leg, "slices": [], "curves": []}
-        assert (
-            table_csv(document)
-            == f"l{leg},count,cusp,alpha_deg,theta{leg}_deg,{others},error,kind,equation\n"
-        )
-        assert (
-            curves_csv(document) == f"curve,l{leg},cusp,alpha_deg,theta{leg}_deg,{others},kind,degenerate\n"
-        )
 
     def test_curves_have_a_line_for_each_point(self) -> None:
         curves = curves_of(FLAT, digits=15).sampled([3, "34.5"], eliminant=eliminant_of(FLAT))

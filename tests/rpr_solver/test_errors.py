@@ -37,22 +37,6 @@ def test_an_error_names_every_field_in_one_line(problems: Sequence[FieldProblem]
     assert "\n" not in str(error)
 
 
-def test_an_error_of_one_field() -> None:
-    error = InputError.of("digits", "is 3; give 15 to 10000")
-    assert error.problems == (FieldProblem("digits", "is 3; give 15 to 10000"),)
-    assert str(error) == "digits: is 3; give 15 to 10000"
-
-
 @pytest.mark.parametrize("value", [1.5, "ten", None, "x" * 38, ["l1"]], ids=lambda x: str(x)[:4])
 def test_a_short_value_is_quoted_whole(value: object) -> None:
     assert shown(value) == repr(value)
-
-
-@pytest.mark.parametrize("size", [39, 40, 10_000])
-def test_a_long_value_is_cut_and_its_length_is_told(size: int) -> None:
-    """The quotation marks count: 38 letters are the most that are shown whole."""
-    assert shown("x" * size) == f"'{'x' * 39}… ({size + 2} characters)"
-
-
-def test_a_value_over_several_lines_is_quoted_in_one() -> None:
-    assert shown("a\nb") == r"'a\nb'"

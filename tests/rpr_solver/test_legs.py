@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from math import cos, isclose, sin
 
@@ -20,11 +19,9 @@ from rpr_solver.legs import (
     Waves,
     cross,
     free_points,
-    gradient_in_doubles,
     singular_waves,
     singularity,
     slopes_by_vector,
-    slopes_on_line,
     turns,
 )
 from rpr_solver.model.manipulator import Manipulator
@@ -220,54 +217,3 @@ def test_all_arithmetics_agree(name: str) -> None:
         for x, y in zip(found[name], found["doubles"], strict=True):
             first = x[0] if name == "arrays" else x
             assert isclose(float(first), y, rel_tol=1e-12, abs_tol=1e-12)
-
-
-def test_slopes_by_the_vector_in_doubles() -> None:
-    m, a = LEG.doubles(Fraction(1))
-    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
-        turned, tip = m * complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
-        gradient = gradient_in_doubles(tip + turned - a, turned, tip)
-        assert gradient == pytest.approx(sinusoids(alpha, theta)["doubles"].gradient(), rel=1e-12)
-
-
-def test_slopes_on_a_line() -> None:
-    m, a = LEG.doubles(Fraction(1))
-    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
-        direction = cos(theta), sin(theta)
-        x, y, d, u, v = slopes_on_line((m.real, m.imag), (a.real, a.imag), direction, 1.25)
-        c, s = cos(alpha), sin(alpha)
-        f_alpha, f_theta = sinusoids(alpha, theta)["doubles"].gradient()
-        assert isclose(x * c + y * s, f_alpha, rel_tol=1e-12, abs_tol=1e-12)
-        assert isclose((d + u * c + v * s) * 1.25, f_theta, rel_tol=1e-12, abs_tol=1e-12)
-
-
-def test_doubles_in_a_unit() -> None:
-    platform, base = LEG.doubles(Fraction(7, 2))
-    assert platform == pytest.approx(complex(3, -2 * 6**0.5) / 3.5, rel=1e-15)
-    assert base == pytest.approx(complex(7, 5) / 3.5, rel=1e-15)
-    with pytest.raises(OverflowError):
-        LEG.doubles(Fraction(1, 10**400))
-
-
-STEP = 1e-4
-
-
-@pytest.mark.parametrize(
-    ("value", "slopes"),
-    [
-        (lambda d: d.j, ("j_alpha", "j_theta")),
-        (lambda d: d.e, ("e_alpha", "e_theta")),
-    ],
-    ids=["J", "E"],
-)
-def test_gradients_by_differences(value: Callable[[PoseDerivatives], float], slopes: tuple[str, str]) -> None:
-    waves = [Waves.of(complex(0.3, 0.8), complex(-0.7, 0.2)), Waves.of(complex(-0.5, 0.1), complex(0.4, 0.9))]
-
-    def at(alpha: float, theta: float) -> PoseDerivatives:
-        turn, tip = complex(cos(alpha), sin(alpha)), 1.25 * complex(cos(theta), sin(theta))
-        return PoseDerivatives.of(*(wave.turned(*turns(turn, tip)) for wave in waves))
-
-    for alpha, theta in ((0.4, 1.1), (-2.0, 0.3), (3.0, -2.5)):
-        for (da, dt), name in zip(((STEP, 0.0), (0.0, STEP)), slopes, strict=True):
-            slope = (value(at(alpha + da, theta + dt)) - value(at(alpha - da, theta - dt))) / (2 * STEP)
-            assert isclose(slope, getattr(at(alpha, theta), name), rel_tol=1e-6, abs_tol=1e-6)

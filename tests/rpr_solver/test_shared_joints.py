@@ -27,6 +27,7 @@ from rpr_solver import (
     table_document,
     verify_document,
 )
+from tests.support.sampling import long
 
 PAIRS = ((0, 1), (1, 2), (0, 2))
 NAMES = {(0, 1): "1 = {0}2", (1, 2): "2 = {0}3", (0, 2): "1 = {0}3"}
@@ -36,6 +37,7 @@ CLASSES = [
     *((first, second) for first in PAIRS for second in PAIRS if first != second),
 ]
 """Which joints of the base are one, and which of the platform."""
+SOME = [shared if k in (0, 4, 7) else long(shared) for k, shared in enumerate(CLASSES)]
 MACHINES = 60
 DIGITS = 30
 
@@ -106,7 +108,7 @@ def test_poses_are_those_of_a_sextic(shared: tuple[Pair, Pair]) -> None:
                 assert min(apart) < mpmath.mpf(10) ** -25
 
 
-@pytest.mark.parametrize("shared", CLASSES, ids=str)
+@pytest.mark.parametrize("shared", SOME, ids=str)
 def test_the_joints_are_named_and_poses_are_verified(shared: tuple[Pair, Pair]) -> None:
     base, platform, legs = machine(CLASSES.index(shared))
     manipulator = Manipulator(base={"points": base}, platform={"points": platform})
@@ -189,7 +191,7 @@ def test_lengths_along_which_the_platform_turns_are_refused() -> None:
         leg_poses(manipulator, {"l1": 5, "l2": 5}, digits=15)
 
 
-@pytest.mark.parametrize("shared", CLASSES, ids=str)
+@pytest.mark.parametrize("shared", SOME, ids=str)
 def test_poses_along_each_leg(shared: tuple[Pair, Pair]) -> None:
     """Counts are those of direct kinematics on a grid, and a pose of each sign is in an aspect of its own."""
     base, platform, legs = machine(CLASSES.index(shared))
@@ -210,7 +212,7 @@ def test_poses_along_each_leg(shared: tuple[Pair, Pair]) -> None:
             assert table.count == inside.count
 
 
-@pytest.mark.parametrize("shared", CLASSES, ids=str)
+@pytest.mark.parametrize("shared", SOME, ids=str)
 def test_the_assembly_mode_never_changes(shared: tuple[Pair, Pair]) -> None:
     base, platform, legs = machine(CLASSES.index(shared))
     manipulator = Manipulator(base={"points": base}, platform={"points": platform})
@@ -255,7 +257,7 @@ def test_what_is_no_such_machine_is_refused(geometry: dict[str, Any], field: str
     assert [problem.field for problem in error.value.problems] == [field]
 
 
-@pytest.mark.parametrize("shared", CLASSES, ids=str)
+@pytest.mark.parametrize("shared", SOME, ids=str)
 def test_no_slice_has_cusps_and_all_nodes_are_listed(shared: tuple[Pair, Pair]) -> None:
     base, platform, _ = machine(CLASSES.index(shared))
     manipulator = Manipulator(base={"points": base}, platform={"points": platform})
@@ -337,7 +339,7 @@ def test_a_check_counts_no_cusps() -> None:
     assert not check(manipulator, Requirement(start=1, max_cusps=0, degenerate="refused"), digits=15).passed
 
 
-@pytest.mark.parametrize("shared", CLASSES, ids=str)
+@pytest.mark.parametrize("shared", SOME, ids=str)
 def test_singular_curves_of_the_legs_without_whole_lines(shared: tuple[Pair, Pair]) -> None:
     """Nodes are those of the table, and every region has the number of poses of direct kinematics."""
     base, platform, legs = machine(CLASSES.index(shared))

@@ -18,10 +18,8 @@ from rpr_solver.article.eliminant import (
     ArticleEliminant,
     Legs,
     _equations,
-    adjugate,
     article_forms,
     coalescence,
-    known_factors,
 )
 from rpr_solver.exact.biform import BiForm, L
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
@@ -163,14 +161,6 @@ def test_of_a_flat_platform_the_lowest_power_of_h_remains() -> None:
 
 
 class TestFactors:
-    def test_there_are_eight_beside_q(self) -> None:
-        """96 = 36 + 4 + 4 + 8 + 8 + 4 + 4 + 4 + 24, for every manipulator and length."""
-        for m in (EXAMPLES["innocenti"], FLAT, ISOSCELES):
-            whole = eliminant(m, Fraction(29))
-            shape = [factor.form.degree * factor.multiplicity for factor in whole.known]
-            assert shape == [36, 4, 4, 8, 8, 4, 4, 4]
-            assert (whole.q.degree, whole.whole.degree) == (24, DEGREE) == (24, 96)
-
     @given(manipulators(size=6, denominators=(1, 2)), lengths(size=9, denominators=(1, 3)))
     @examples(5)
     def test_the_eliminant_is_their_product(self, m: Manipulator, l1: Fraction) -> None:
@@ -224,30 +214,6 @@ class TestFactors:
         whole = eliminant(at.manipulator, at.pose.l1)
         forms = {**{factor.origin: factor.form for factor in whole.known}, "Q": whole.q}
         assert {name for name, form in forms.items() if root_of(form, u)} == origins
-
-    def test_the_leg_that_closes_is_told(self) -> None:
-        known = eliminant(ISOSCELES, Fraction(29)).known
-        assert {factor.closed_leg: factor.origin for factor in known if factor.closed_leg} == {
-            2: "L2 = 0",
-            3: "L3 = 0",
-        }
-
-    def test_reasons_name_what_vanishes_there(self) -> None:
-        """Of the first row k1k2, k2k5, k3k5 or the first column k1k2, k3k4, k1k4."""
-        reasons = {
-            factor.origin: factor.reason for factor in known_factors(SliceMap.of(ISOSCELES), Fraction(9))
-        }
-        for construct, origin in (
-            (constructed.legs_1_and_3_in_line, "legs 1 and 3 on line A1A3"),
-            (constructed.legs_2_and_3_in_line, "legs 2 and 3 on line A2A3"),
-            (constructed.lines_meet_in_b1, "the three leg lines meet in B1"),
-            (constructed.lines_meet_in_b3, "the three leg lines meet in B3, |A1B3| = L1 + d3"),
-        ):
-            legs = constructed.legs_of(construct())
-            zero = " = ".join(f"k{i}" for i, k in sorted(legs.k.items()) if k == 0)
-            adj = adjugate(legs.k)
-            part = "row" if not any(adj[0]) else "column"
-            assert reasons[origin] == f"{zero} = 0: the adjugate's first {part} vanishes"
 
 
 def root_of(form: Form, u: Fraction) -> bool:

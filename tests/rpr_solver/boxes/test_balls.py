@@ -71,11 +71,6 @@ def test_quotients_hold_all_results(first: Ball, second: Ball) -> None:
     assert held(number(first) / divisor, balls(first) / balls(second))
 
 
-@given(first=BALLS, factor=FINITE)
-def test_products_with_a_double_hold_all_results(first: Ball, factor: float) -> None:
-    assert held(number(first) * factor, balls(first) * factor)
-
-
 @given(ball=BALLS)
 def test_sines_and_cosines_hold_all_results(ball: Ball) -> None:
     sin, cos = balls(ball).sin_cos()
@@ -96,12 +91,6 @@ def test_combinations_hold_all_results(terms: list[tuple[Ball, Ball]]) -> None:
     found = Combinations([coefficients]).of(Balls.stacked([balls(x) for _, x in terms]))
     exact = sum((number(c) * number(x) for c, x in terms), arb(0))
     assert held(exact, found)
-
-
-@given(ball=PLAIN)
-def test_a_ball_of_flint_is_within_one_of_doubles(ball: Ball) -> None:
-    third = number(ball) / 3
-    assert held(third, Balls.of([third]))
 
 
 def test_sines_and_cosines_of_numpy_are_as_exact_as_is_assumed() -> None:

@@ -130,17 +130,6 @@ def test_expansions_hold_all_values(system: Conics, data: st.DataObject) -> None
         assert total.overlaps(value)
 
 
-def test_halves_cover_their_box() -> None:
-    boxes = Boxes(np.array([[0.1, 5e-324], [0.0, 1.0]]), np.array([[0.1 + 2.0**-53, 1e300], [1.0, 1.5]]))
-    halves = boxes.halved()
-    for k in range(2):
-        first, second = halves.low[:, k], halves.low[:, k + 2]
-        side = int(np.flatnonzero(first != second)[0]) if (first != second).any() else 0
-        assert halves.high[side, k] == halves.low[side, k + 2]
-        assert (halves.low[:, k] == boxes.low[:, k]).all()
-        assert (halves.high[:, k + 2] == boxes.high[:, k]).all()
-
-
 def test_what_is_left_at_the_end_of_the_work_are_all_boxes() -> None:
     system = Conics([0.0, 0.0], [[1.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]], waves=False)
     start = Boxes(np.array([[-1.0], [-1.0]]), np.array([[1.0], [1.0]]))

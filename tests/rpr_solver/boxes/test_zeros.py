@@ -11,7 +11,7 @@ from flint import arb, ctx
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rpr_solver.boxes import Functions, Jet, Undecided, Zero, bits_of, monomials, search, turned
+from rpr_solver.boxes import Functions, Jet, Undecided, bits_of, monomials, search, turned
 from rpr_solver.boxes.folds import fold_at
 
 
@@ -61,16 +61,6 @@ def test_a_double_zero_is_in_doubt_and_soon() -> None:
     assert not found.zeros
     assert found.looked < 400
     assert any(all(x.contains(0) for x in box) for box in found.doubts)
-
-
-def test_the_fold_of_a_box_holds_the_box_and_both_zeros() -> None:
-    system = Parabolas(Fraction(1, 10**20))
-    box, most = [arb(1e-5, 1e-6), arb(0, 1e-6)], [arb(0, 0.01), arb(0, 0.01)]
-    fold = fold_at(system.functions, most, box)
-    assert all(r.contains(x) for r, x in zip(fold.room, box, strict=True))
-    assert fold.zeros is not None
-    first, second = (zero.within(60)[0] for zero in fold.zeros)
-    assert first < 0 < second
 
 
 class Cubics:
@@ -151,16 +141,3 @@ def test_zeros_are_one_after_whole_turns(a: float, b: float) -> None:
     found = search(Waves(a, b), start, 2.0**-60, 2000, turned(0, 1))
     assert len(found.zeros) == 1
     assert not found.doubts
-
-
-def test_a_zero_near_a_guess_needs_one_step() -> None:
-    system = Parabolas(Fraction(1, 100))
-    found = search(system, [[arb(0, 1), arb(0, 1)]], 2.0**-60, 2000)
-    zero = max(found.zeros, key=lambda z: float(z.at[0].mid()))
-    with ctx.workprec(2000):
-        guess = [arb(x.mid(), arb(2) ** -500) for x in zero.within(800)]
-        assert all(x.overlaps(y) for x, y in zip(zero.within(900, guess), zero.within(900), strict=True))
-        wrong = [x + arb(2) ** -400 for x in guess]
-        assert all(x.overlaps(y) for x, y in zip(zero.within(900, wrong), zero.within(900), strict=True))
-    with pytest.raises(Undecided):
-        Zero.alone(system.functions, [arb(0, 1), arb(0, 1)])

@@ -5,7 +5,6 @@ from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from math import radians
 
 import pytest
 from hypothesis import given
@@ -14,17 +13,13 @@ from hypothesis import strategies as st
 from rpr_solver import (
     EXAMPLES,
     Census,
-    CurvePoint,
     CuspCurves,
-    InputError,
     Manipulator,
     cusp_curves,
     cusp_table,
     eliminate,
-    solve_slice,
 )
 from tests.rpr_solver.curves.long_run import failures, lengths_beside
-from tests.support import newton
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
 from tests.support.shared import census_of, curves_of
@@ -211,27 +206,6 @@ def test_the_farthest_slices_are_reached() -> None:
     assert [[p.length for p in c.points] for c in curves.curves if c.points] == [[Fraction(10**12)]] * 4
 
 
-@pytest.mark.long
-def test_spread_samples_every_curve_between_its_ends() -> None:
-    whole = curves_of(INNOCENTI)
-    lengths = whole.spread(3)
-    assert len(lengths) == len(set(lengths))
-    for c in whole.sampled(lengths).curves:
-        assert len(c.points) >= 3
-        assert all(Fraction(c.start.length or 0) < p.length for p in c.points)
-        assert c.stop.length is None or c.points[-1].length < Fraction(c.stop.length)
-        assert c.points == tuple(sorted(c.points, key=lambda p: p.length))
-
-
-@pytest.mark.long
-def test_intervals_too_narrow_for_their_digits_keep_a_sample() -> None:
-    coarse, start, stop = cusp_curves(INNOCENTI, digits=15), Fraction("14.5"), Fraction("14.6")
-    lengths = coarse.spread(2000, start, stop)
-    assert len(lengths) == 4001  # the window of width 1e-8 keeps one
-    few = [x for x in lengths if Fraction("14.57922") < x < Fraction("14.57923")]
-    assert all(c.points for c in coarse.sampled(few).within(start, stop).curves)
-
-
 def test_a_part_of_the_range() -> None:
     whole = curves_of(INNOCENTI)
     part = whole.within(Fraction("28.1"), Fraction("28.2"))
@@ -260,52 +234,6 @@ def test_documents_are_read_back() -> None:
     for leg in (1, 3):
         curves = curves_of(EXAMPLES["zein-flat"], leg)
         assert CuspCurves.from_json(json.loads(json.dumps(curves.to_json()))) == curves
-
-
-def test_progress_is_told() -> None:
-    seen: list[tuple[int, int]] = []
-    curves = cusp_curves(EXAMPLES["zein-flat"], digits=15, progress=lambda *x: seen.append(x))
-    assert seen == sorted(seen)
-    assert seen[-1][0] == seen[-1][1]
-    seen.clear()
-    curves.sampled([Fraction(10), Fraction(20)], progress=lambda *x: seen.append(x))
-    assert seen == [(1, 2), (2, 2)]
-
-
-def test_bad_input_is_refused() -> None:
-    with pytest.raises(InputError, match="fixed_leg"):
-        cusp_curves(INNOCENTI, fixed_leg=4)
-    with pytest.raises(InputError, match="digits"):
-        cusp_curves(INNOCENTI, digits=3)
-    with pytest.raises(InputError, match=r"l1\[0\]: is 0"):
-        curves_of(INNOCENTI).sampled([Fraction(0)])
-
-
-def angles(p: CurvePoint) -> newton.Point:
-    return radians(float(p.point.alpha_deg)), radians(float(p.point.theta1_deg))
-
-
-@pytest.mark.long
-def test_a_walk_in_floating_point_stays_on_the_curve() -> None:
-    """From sample to sample by small steps of L and Newton's method, away from the ends of the curve."""
-    manipulator = EXAMPLES["zein-flat"]
-    whole = curves_of(manipulator)
-    walked: Counter[str] = Counter()
-    for c in whole.sampled(whole.spread(5)).curves:
-        for a, b in list(pairwise(c.points))[1:-1:3]:
-            low, high = float(a.length), float(b.length)
-            if high - low < 1e-6 * low:
-                continue
-            x = angles(a)
-            steps = 40
-            for i in range(1, steps + 1):
-                s = newton.Slice(manipulator, low + (high - low) * i / steps)
-                moved = [y for leg in (0, 1) if (y := newton.newton(s, leg, x)) and newton.is_cusp(s, y)]
-                assert moved
-                x = min(moved, key=lambda y: newton.distance(x, y))
-            assert newton.distance(x, angles(b)) < 1e-6, (c.name, low, high)
-            walked[c.name] += 1
-    assert len(walked) > len(whole.curves) / 2
 
 
 def shape(curves: CuspCurves, factor: int = 1) -> Counter[tuple[object, ...]]:
@@ -337,24 +265,6 @@ def test_scale_and_mirror() -> None:
         check_ends(own)
         assert shape(own) == shape(scaled, factor) == shape(reflected)
         assert [c.name for c in own.curves] == [c.name for c in scaled.curves]
-
-    agree()
-    assert answers["refused"] <= answers["given"] / 4
-
-
-@pytest.mark.long
-@pytest.mark.timeout(400)
-@pytest.mark.hypothesis
-def test_random_curves_agree_with_slices() -> None:
-    answers = Counter[str]()
-
-    @given(manipulators(size=20, denominators=(1, 2)), st.sampled_from([1, 2, 3]))
-    @examples(2)
-    def agree(m: Manipulator, fixed_leg: int) -> None:
-        curves = unless_refused(lambda: cusp_curves(m, fixed_leg=fixed_leg, digits=15), answers)
-        eliminant = eliminate(m, fixed_leg)
-        for length in curves.spread(2)[::5]:
-            assert alive(curves, length) == solve_slice(eliminant, length, 15).count
 
     agree()
     assert answers["refused"] <= answers["given"] / 4

@@ -6,31 +6,25 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
-from math import perm
 
 import mpmath as mp
 import pytest
-from flint import arb, arb_mat, ctx
-from hypothesis import given
-from hypothesis import strategies as st
+from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.curves.neighbourhood import (
     ALONG_L,
     CuspForms,
     Frame,
-    Neighbourhood,
     at_parameter,
-    tables,
     value_of_each,
 )
 from rpr_solver.model.jets import HalfTangent
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.definitions import Slices
 from tests.support.families import family
-from tests.support.places import angle_of, ball, cusps_of, neighbourhood, number, place, scaled
+from tests.support.places import angle_of, cusps_of, neighbourhood, number, place, scaled
 from tests.support.shared import census_of, eliminant_of
-from tests.support.strategies import examples
 
 BITS, DIGITS = 192, 50
 FLAT = EXAMPLES["zein-flat"]
@@ -81,34 +75,6 @@ class TestExpansions:
             assert len(ratio) == 28
             assert all(mp.almosteq(r, ratio[0], mp.mpf(10) ** (12 - DIGITS)) for r in ratio)
 
-    def test_the_parameter_z_has_as_many_powers_as_l(self) -> None:
-        singular, coalescence = CuspForms(SliceMap.of(FLAT)).at(BITS)
-        assert [len(form) for form in (singular, *coalescence)] == [2, 3, 3]
-        frame = Frame.about(place(mp.mpf(1), mp.mpf(2)), arb(100))
-        assert [len(form) for form in frame.expanded(singular, *coalescence)] == [3, 3, 3]
-
-    @given(
-        st.lists(st.lists(st.integers(-9, 9), min_size=3, max_size=3), min_size=2, max_size=4),
-        st.integers(-4, 4),
-        st.integers(-4, 4),
-    )
-    @examples(40)
-    def test_values_and_derivatives_are_those_of_the_sum(self, rows: list[list[int]], p: int, q: int) -> None:
-        def total(i: int, k: int) -> int:
-            """∂ⁱ/∂pⁱ ∂ᵏ/∂qᵏ for i, k ≤ 2."""
-            powers = ((a, b, c) for a, row in enumerate(rows) for b, c in enumerate(row) if a >= i and b >= k)
-            return sum(c * perm(a, i) * perm(b, k) * p ** (a - i) * q ** (b - k) for a, b, c in powers)
-
-        form = arb_mat(rows)
-        assert value_of_each([form], arb(p), arb(q)) == [total(0, 0)]
-        [table] = tables([form], arb(p), arb(q))
-        size = range(3)
-        assert [[table[i, k] for k in size] for i in size] == [[total(i, k) for k in size] for i in size]
-
-    def test_an_expansion_at_its_parameter_is_a_polynomials_value(self) -> None:
-        form = [arb_mat([[1, 2]]), arb_mat([[3, 5]]), arb_mat([[7, 11]])]
-        assert at_parameter(form, arb(10)) == arb_mat([[731, 1152]])
-
 
 class TestFrames:
     @pytest.mark.parametrize("alpha", ANGLES)
@@ -122,46 +88,8 @@ class TestFrames:
             back = frame.inside(moved, arb(6))
             assert all(abs(b - w) < 1e-40 for b, w in zip(back, (x, y, arb(1) / 3), strict=True))
 
-    def test_the_middle_of_a_box_is_the_origin_whatever_its_angle(self) -> None:
-        for alpha in ANGLES:
-            box = place(mp.radians(alpha), mp.radians(-alpha), 1e-9)
-            x, y, z = Frame.about(box, arb(5, 0.5)).inside(box, arb(5, 0.5))
-            assert all(w.contains(0) for w in (x, y, z))
-            assert all(w.rad() < 1e-8 for w in (x, y))
-            assert 0.05 < z.rad() < 0.06
-
-    def test_a_box_in_local_coordinates_holds_the_box(self) -> None:
-        """A corner of the half angles' boxes lies in the image."""
-        alpha, theta, radius = mp.radians(178), mp.radians(-40), 0.05
-        box = place(alpha, theta, radius)
-        x, y, _ = Frame.about(box, arb(1)).inside(box, arb(1))
-        signs = (-1, 1)
-        for t, local, origin in ((box.alpha, x, alpha), (box.theta, y, theta)):
-            for a, b in product(signs, signs):
-                sin, cos = number(t.numerator) + a * radius, number(t.denominator) + b * radius
-                corner = mp.tan(mp.atan2(sin, cos) - origin / 2)
-                assert local.contains(ball(corner))
-
-    def test_z_tells_the_length(self) -> None:
-        frame = Frame.about(place(mp.mpf(0), mp.mpf(0)), arb(8))
-        for length, z in ((24, 0.5), (8, 0), (arb(8) / 3, -0.5)):
-            assert abs(frame.of_length(arb(length)) - z) < 1e-50
-            assert abs(frame.length_at(arb(z)) - length) < 1e-50
-
 
 class TestPlaces:
-    def test_boxes_are_apart_if_one_angle_is(self) -> None:
-        here = place(mp.mpf(1), mp.mpf(2), 0.01)
-        assert here.apart(place(mp.mpf("1.1"), mp.mpf(2), 0.01))
-        assert here.apart(place(mp.mpf(1), mp.mpf("1.9"), 0.01))
-        assert not here.apart(place(mp.mpf("1.01"), mp.mpf("2.01"), 0.01))
-        assert not here.apart(here)
-
-    def test_half_a_turn_is_one_angle_from_either_side(self) -> None:
-        below, above = mp.radians(179.999), mp.radians(-179.999)
-        assert not place(below, mp.mpf(0), 1e-3).apart(place(above, mp.mpf(0), 1e-3))
-        assert place(below, mp.mpf(0), 1e-8).apart(place(above, mp.mpf(0), 1e-8))
-
     def test_a_half_angle_and_its_opposite_are_one_place(self) -> None:
         """tan has the period of half a turn: (n, d) and (−n, −d) are the same angle."""
         here = place(mp.mpf(1), mp.mpf(2), 1e-9)
@@ -181,24 +109,6 @@ class TestSteeperLeg:
         length = scaled(forms.slice_map, mp.mpf(10))
         assert forms.steeper(along_f, length, BITS) == 1
         assert forms.steeper(along_g, length, BITS) == 0
-
-    @pytest.mark.parametrize("fixed_leg", [1, 2, 3])
-    def test_elsewhere_gradients_are_compared_by_the_sizes_of_the_legs(self, fixed_leg: int) -> None:
-        m = EXAMPLES["twelve-cusps"]
-        forms, slices = CuspForms(SliceMap.of(m, fixed_leg)), Slices.of(m, fixed_leg)
-        legs = forms.slice_map.f, forms.slice_map.g
-        length = scaled(forms.slice_map, mp.mpf(9))
-        taken = set()
-        for alpha, theta in product((-2.0, -1.0, 0.5, 1.5, 2.5), repeat=2):
-            gradients = slices.gradients((mp.mpf(alpha), mp.mpf(theta), mp.mpf(9)), "f", "g")
-            steep = [
-                (a * a + t * t) / (w.platform2 + w.base2)
-                for (a, t, _), w in zip(gradients, legs, strict=True)
-            ]
-            expected = 0 if steep[0] >= steep[1] else 1
-            assert forms.steeper(place(mp.mpf(alpha), mp.mpf(theta)), length, BITS) == expected
-            taken.add(expected)
-        assert taken == {0, 1}
 
 
 @pytest.mark.quick
@@ -222,20 +132,6 @@ class TestHeading:
                 bests.add(best)
         assert len(bests) > 1
 
-    def test_the_tangent_is_taken_where_the_box_is(self) -> None:
-        """On y = 0, x = z² the best parameter is z near the origin, and x where z = 1."""
-        zero, one, x, y = (
-            arb_mat(rows) for rows in ([[0, 0], [0, 0]], [[1, 0], [0, 0]], [[0, 0], [1, 0]], [[0, 1], [0, 0]])
-        )
-        forms = [y, zero, zero], [x, zero, -one]
-        frame = Frame.about(place(mp.mpf(1), mp.mpf(2)), arb(1))
-        for z, best in ((Fraction(1, 4), ALONG_L), (Fraction(1), 0), (Fraction(-1), 0)):
-            r = arb(z.numerator) / z.denominator
-            around = Neighbourhood(frame, forms, (r * r, arb(0), r), BITS)
-            grows = z > 0 or best == ALONG_L
-            assert around.heading(ALONG_L, True) == (best, grows, True)
-            assert around.heading(ALONG_L, False) == (best, not grows, False)
-
     def test_where_the_curve_turns_back_the_way_in_l_is_not_told(self) -> None:
         transition = census_of(FLAT).to_json()["transitions"][3]
         event = transition["events"][0]
@@ -246,7 +142,3 @@ class TestHeading:
         assert way[0] != ALONG_L
         assert way[2] is None
         assert around.heading(ALONG_L, True) is None
-
-    def test_nothing_is_told_in_a_box_that_is_too_wide(self) -> None:
-        cusp = cusps_of(eliminant_of(FLAT), Fraction(9), 30)[0]
-        assert neighbourhood(FLAT, cusp, BITS, radius=0.5).heading(0, True) is None

@@ -135,11 +135,6 @@ def test_what_is_found_is_proved_by_a_fresh_process(monkeypatch: pytest.MonkeyPa
     assert json.loads(fresh.stdout) == [best["check"], best["census"], best["margin"], kept["loop"], aspects]
 
 
-def test_constraints_stand_in_the_question_only_if_given() -> None:
-    assert Constraints().to_json() == {}
-    assert Constraints("excluded", max_aspects=3).to_json() == {"loop": "excluded", "max_aspects": 3}
-
-
 @pytest.mark.parametrize(
     ("options", "field"),
     [

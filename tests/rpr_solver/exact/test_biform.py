@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from flint import fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import fmpz_mpoly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -16,20 +16,14 @@ from rpr_solver.exact.biform import (
     L,
     T,
     U,
-    along_alpha,
-    along_theta,
-    by_length,
     curves,
     divides,
-    leading_coefficient,
     omega_parts,
     rational_form,
-    value,
     without_common_factors,
 )
 from rpr_solver.exact.modular import primes
-from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.quadratic import DivisionError, QuadraticPoly
+from rpr_solver.exact.quadratic import DivisionError
 
 RADICANDS = (1, 2, 12, 1009)
 powers = st.tuples(*(st.integers(0, top) for top in (3, 3, 2, 5)))
@@ -62,30 +56,6 @@ def test_the_square_of_omega_is_put_in(p: fmpz_mpoly, radicand: int) -> None:
     assert radicand != 1 or not b
 
 
-def test_omega_is_the_last_variable_of_any_ring() -> None:
-    ring = fmpz_mpoly_ctx.get(("x", "omega"), "lex")
-    x, omega = ring.gens()
-    assert omega_parts(x * omega**3 + omega**2, 5) == (5 + 0 * x, 5 * x)
-
-
-@given(forms(1))
-def test_joined_and_taken_apart_again(single: list[BiForm]) -> None:
-    [form] = single
-    assert BiForm.of(form.joined, form.radicand, form.degree_t, form.degree_u) == form
-
-
-@given(forms(1, with_length=False), st.integers(-9, 9))
-def test_above_one_u_a_form_has_the_coefficients_of_its_rows(single: list[BiForm], u: int) -> None:
-    """At u = ∞ these are the coefficients of the formal degree."""
-    [form] = single
-    assert len(form.rows) == form.degree_t + 1
-    assert form.sliced(Fraction(1)) == form
-    whole = form.above(fmpz_poly([u]), fmpz_poly([0, 1]))  # ω as a variable
-    assert whole == [row.a(fmpz_poly([u])) + row.b(fmpz_poly([u])) * fmpz_poly([0, 1]) for row in form.rows]
-    top = form.above(None, fmpz_poly([0, 1]))
-    assert top == [fmpz_poly([row.a[form.degree_u], row.b[form.degree_u]]) for row in form.rows]
-
-
 @given(forms(1), st.fractions(-9, 9, max_denominator=9))
 def test_one_length_is_put_in(single: list[BiForm], length: Fraction) -> None:
     [form] = single
@@ -95,23 +65,6 @@ def test_one_length_is_put_in(single: list[BiForm], length: Fraction) -> None:
     whole = {p: c * n ** p[2] * d ** (top - p[2]) for p, c in form.joined.to_dict().items()}
     expected = RING.from_dict({p: c for p, c in whole.items() if c}).compose(T, U, RING.constant(1), OMEGA)
     assert rows.joined == expected
-
-
-@given(forms(2))
-def test_a_product_joined_is_the_product(pair: list[BiForm]) -> None:
-    p, q = pair
-    product = p * q
-    assert (product.degree_t, product.degree_u) == (p.degree_t + q.degree_t, p.degree_u + q.degree_u)
-    expected = BiForm.of(p.joined * q.joined, p.radicand, product.degree_t, product.degree_u)
-    assert product == expected
-
-
-@given(forms(1))
-def test_the_norm_is_the_product_with_the_conjugate(single: list[BiForm]) -> None:
-    [form] = single
-    square = form * form.conjugate
-    assert not square.b
-    assert square.a == (form.norm if form.b else form.norm**2)
 
 
 @given(forms(2))
@@ -127,12 +80,6 @@ def test_a_product_divided_by_a_factor(pair: list[BiForm]) -> None:
 def test_a_remainder_is_refused() -> None:
     with pytest.raises(DivisionError):
         BiForm.of(T * U + 1, 2, 1, 1).quotient(BiForm.of(T + OMEGA, 2, 1, 0))
-
-
-def test_a_rational_divisor_takes_its_degrees_with_it() -> None:
-    form = BiForm.of((T + U) * (OMEGA * T * L + 3), 2, 3, 3)
-    quotient = form / (T + U)
-    assert quotient == BiForm.of(OMEGA * T * L + 3, 2, 2, 2)
 
 
 @given(forms(1), st.integers(-9, 9), st.integers(-9, 9), st.integers(-9, 9))
@@ -152,19 +99,6 @@ def test_the_1_norm_bounds_all_coefficients(single: list[BiForm]) -> None:
     assert form.radicand * sum(abs(int(c)) for c in form.b.coeffs()) ** 2 <= form.norm1() ** 2
 
 
-def test_formal_degrees_keep_zeros_at_infinity() -> None:
-    form = BiForm.of(T * U + OMEGA, 2, 3, 1)
-    assert form.zeros_at_infinity == 2
-    assert [row.is_zero for row in form.rows] == [False, False, True, True]
-    assert form.rows[0] == QuadraticPoly(fmpz_poly([]), fmpz_poly([1]), 2)
-
-
-def test_the_leading_coefficient_in_a_variable() -> None:
-    p = T**2 * (U + OMEGA) + T * U**5 + 7
-    assert leading_coefficient(p, 0) == U + OMEGA
-    assert leading_coefficient(p, 1) == T
-
-
 def test_common_factors_leave_both_forms() -> None:
     """J is divided by every power, so that no point of the shared curve remains as an isolated zero."""
     j = BiForm.of((T - U) ** 3 * (OMEGA * T + U), 2, 4, 4)
@@ -177,31 +111,7 @@ def test_common_factors_leave_both_forms() -> None:
     assert without_common_factors(rest_j, rest_e) == (rest_j, rest_e, [])
 
 
-ONE = Field.rationals()(1)
 COS, SIN = rational_form(1 - T**2, 2, 0), rational_form(2 * T, 2, 0)
-
-
-def same(x: BiForm, y: BiForm) -> bool:
-    return (x - y).is_zero and (x.degree_t, x.degree_u) == (y.degree_t, y.degree_u)
-
-
-def test_the_derivatives_of_cosine_and_sine() -> None:
-    assert same(along_alpha(COS, 1), -(SIN + SIN))
-    assert same(along_alpha(SIN, 1), COS + COS)
-    assert along_theta(COS, 1).is_zero
-    half = rational_form(1 + 0 * T, 1, 0)  # cos(α/2)
-    assert along_alpha(half, 1).a == -T
-
-
-def test_the_product_rule() -> None:
-    x, y = rational_form(T * U**2 - T + 2 * U, 1, 2), rational_form(3 * T**2 - U, 2, 2)
-    for along in (along_alpha, along_theta):
-        assert same(along(x * y, 3), along(x, 3) * y + x * along(y, 3))
-
-
-def test_powers_of_the_length() -> None:
-    zeroth, first = by_length(rational_form(T**2 - U + L * (T - 2), 2, 1))
-    assert (zeroth.a, first.a) == (T**2 - U, T - 2)
 
 
 def test_factors_with_those_at_infinity_and_without_imaginary_ones() -> None:
@@ -213,12 +123,3 @@ def test_factors_with_those_at_infinity_and_without_imaginary_ones() -> None:
     exact = rational_form(T * U + 1, 1, 1)
     assert not any(divides(curve, exact) for curve in at_infinity)
     assert all(divides(curve, -(exact - exact)) for curve in at_infinity)
-
-
-@pytest.mark.parametrize(
-    ("t", "u", "expected"), [(2, 3, 17), (None, 3, 3), (2, None, 8), (None, None, 1), (0, 5, -7)]
-)
-def test_values_at_infinity_are_leading_coefficients(t: int | None, u: int | None, expected: int) -> None:
-    form = rational_form(T**2 * U + 2 * T * U - 7, 2, 1)
-    at = [None if x is None else ONE.field(Fraction(x)) for x in (t, u)]
-    assert value(form, *at, ONE).rational == expected

@@ -65,20 +65,6 @@ def test_a_ball_too_wide_for_its_digits_is_not_rounded() -> None:
         assert round_ball(arb("nan"), 3) is None
 
 
-def test_zero_is_zero() -> None:
-    assert round_ball(arb(0), 20) == round_fraction(Fraction(0), 20) == "0"
-
-
-@pytest.mark.parametrize(
-    ("significant", "place", "text"),
-    [("123", 2, "123"), ("123", 1, "12.3"), ("123", 3, "1.23e+3"), ("123", -1, "0.123"),
-     ("123", -7, "0.000000123"), ("123", -8, "1.23e-8"), ("1", 0, "1"), ("5", -9, "5e-9")],
-)  # fmt: skip
-def test_digits_are_plain_where_they_can_be(significant: str, place: int, text: str) -> None:
-    assert place_digits(significant, place, negative=False) == text
-    assert place_digits(significant, place, negative=True) == "-" + text
-
-
 @given(RATIONALS, EXPONENTS, st.integers(1, 20), st.integers(0, 20))
 def test_shortening_is_rounding_once(x: Fraction, exponent: int, digits: int, more: int) -> None:
     x *= Fraction(10) ** exponent
@@ -110,12 +96,6 @@ def test_the_context_of_the_caller_does_not_matter(x: Fraction, digits: int) -> 
         context.prec, context.rounding, context.Emax, context.Emin = 2, ROUND_DOWN, 3, -3
         context.traps[Inexact] = True
         assert (round_fraction(x, digits + 1), shorten(stored, digits)) == texts
-
-
-def test_long_and_large_numbers() -> None:
-    assert round_fraction(Fraction(10) ** 5000 / 3, 5000) == "3" * 5000
-    assert shorten("9." + "9" * 8999, 15) == "10.0000000000000"
-    assert shorten("0", 15) == "0"
 
 
 @pytest.mark.parametrize(

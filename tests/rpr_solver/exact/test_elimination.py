@@ -43,21 +43,6 @@ def test_values_that_are_of_no_such_form_are_noticed(degree: int) -> None:
         assert circle.coefficients(sampled, degree) is None
 
 
-def test_radii_stay_near_the_working_precision() -> None:
-    """Degree 64: coefficients of tan φ are sums of 2^56 times the values, and little more is lost."""
-    with ctx.workprec(BITS):
-        circle = Circle(66, BITS)
-        assert all(x.rad() < arb(2) ** (10 - BITS) for x in _exponentials(circle))
-        back = circle.coefficients(values(circle, [1] * 65), 64)
-        assert back is not None
-        assert all(x.rad() < arb(2) ** (56 + 24 - BITS) for x in back)
-
-
-def _exponentials(circle: Circle) -> list[arb]:
-    table = circle.monomials(1)
-    return [table[0, k] for k in range(circle.count)]
-
-
 RADICANDS = (1, 2, 12)
 
 
@@ -99,13 +84,6 @@ def test_the_bound_is_one_of_the_resultant(pair: tuple[BiForm, BiForm]) -> None:
     assume(not first.zeros_at_infinity)
     whole = first.joined.resultant(second.joined, "t")
     assert BiForm.of(whole, first.radicand, 0, 10).norm1() <= resultant_bound(first, second)
-
-
-def test_the_bound_is_reached() -> None:
-    """Res_t(3 t, 5 t³ + 7) is 3³ · 7 and Res_t(3, 5 t³ + 7) = 3³."""
-    second = BiForm.of(5 * T**3 + 7, 1, 3, 0)
-    assert resultant_bound(BiForm.of(3 * T, 1, 1, 0), second) == 3**3 * 12
-    assert resultant_bound(BiForm.of(3 + 0 * T, 1, 0, 0), second) == 3**3
 
 
 @given(pairs(), st.integers(1, 2))
@@ -164,24 +142,7 @@ def test_forms_with_a_common_root_have_a_resultant_near_0() -> None:
             assert ball.contains(0)
 
 
-def test_balls_that_are_too_wide_are_computed_again() -> None:
-    """A + ωB with A = 2¹⁰⁰ and B = −3, and a doubt of about 2⁻²⁰ that shrinks with the precision."""
-    asked: list[int] = []
-
-    def coefficients(omega: arb) -> list[arb]:
-        asked.append(ctx.prec)
-        return [arb(2) ** 100 - 3 * omega + arb(0, arb(2) ** (300 - ctx.prec))]
-
-    assert recovered(7, coefficients, 100) == ([2**100], [-3])
-    assert asked == [192, 192, 384, 384]
-
-
 @pytest.mark.parametrize("value", ["0.5", "1.2"])
 def test_balls_without_an_integer_are_refused(value: str) -> None:
     with pytest.raises(SolverError, match="known factors"):
         recovered(1, lambda _omega: [arb(3), arb(value)], 10)
-
-
-def test_balls_that_never_become_narrow_are_refused() -> None:
-    with pytest.raises(SolverError, match="known factors"):
-        recovered(1, lambda _omega: [arb(0, 2)], 10)

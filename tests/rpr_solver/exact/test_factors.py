@@ -20,7 +20,6 @@ from rpr_solver.exact.factors import (
     same_number,
     simple_and_other_roots,
 )
-from rpr_solver.exact.number_field import exact_omega
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
 from tests.support.number_fields import BOTH, RATIONALS, ROOT_TWO, in_both
@@ -45,18 +44,6 @@ def test_a_factor_and_its_conjugate_are_told_apart() -> None:
     u, omega = triple.in_field()
     assert (u - omega).is_zero
     assert u.sign == 1
-
-
-def test_a_factor_without_its_conjugate() -> None:
-    # x² − √2 is irreducible over ℚ(√2); its conjugate has no real root
-    p = (X * X - ROOT2) * (X - constant(5)) * (X - constant(5))
-    assert shapes(p) == Counter({(2, 1): 1, (1, 2): 1})
-    roots = list(exact_roots(norm_factors(p)))
-    assert sorted(root.multiplicity for root in roots) == [1, 1, 2]
-    for root in roots:
-        u, omega = root.in_field()
-        assert p(u, omega).is_zero
-        assert omega.sign == 1
 
 
 @given(st.lists(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=1, max_size=3, unique=True))
@@ -85,16 +72,6 @@ def test_real_roots_have_exact_counterparts(a: list[int], b: list[int]) -> None:
         [exact] = exact_counterparts([root], norm_factors(p))
         assert exact.root.refined(100).overlaps(root.refined(100))
         assert p(*exact.in_field()).is_zero
-
-
-@pytest.mark.parametrize("radicand", [1, 2, 7])
-def test_a_rational_root_knows_omega(radicand: int) -> None:
-    [root] = exact_roots(norm_factors(QuadraticPoly.rational([0, 1], radicand)))
-    zero, omega = root.in_field()
-    assert zero.is_zero
-    assert (exact_omega(radicand).ball(64) - omega.ball(64)).contains(0)
-    assert (omega * omega - radicand).is_zero
-    assert omega.sign == 1
 
 
 def test_conjugates_are_not_the_same_number() -> None:

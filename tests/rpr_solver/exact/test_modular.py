@@ -11,7 +11,6 @@ from rpr_solver.exact.modular import primes, simple_and_finite, sylvester
 from rpr_solver.exact.quadratic import QuadraticPoly
 
 RADICANDS = (1, 2, 12)
-P = next(primes(1))[0]
 COEFFICIENTS = st.integers(-9, 9)
 FORMS = st.lists(COEFFICIENTS, min_size=2, max_size=5)
 
@@ -35,10 +34,6 @@ def test_no_prime_has_a_root_of_minus_one() -> None:
     """So no value of an integer u makes u² + 1 vanish, and both square roots of ω² are told apart."""
     for p, _ in islice(primes(2), 8):
         assert fmpz(p - 1).jacobi(fmpz(p)) == -1
-
-
-def test_for_a_rational_height_omega_is_one() -> None:
-    assert all(omega == 1 for _, omega in islice(primes(1), 8))
 
 
 # simple_and_finite
@@ -78,20 +73,6 @@ def discriminant(polynomial: QuadraticPoly) -> tuple[int, int]:
         return total[0], total[1]
 
     return determinant(matrix)
-
-
-def test_a_conjugate_pair_is_simple_and_a_square_is_not() -> None:
-    p = QuadraticPoly(fmpz_poly([-3, 0, 1]), fmpz_poly([1]), 2)  # x² − 3 + √2
-    assert simple_and_finite(p, 2)
-    assert not simple_and_finite(p * p, 4)
-    assert simple_and_finite(p * p.conjugate, 4)
-
-
-def test_a_zero_at_infinity_is_not_finite() -> None:
-    p = rational(-3, 0, 1)
-    assert simple_and_finite(p, 2)
-    assert not simple_and_finite(p, 3)
-    assert not simple_and_finite(p * 0, 0)
 
 
 def test_roots_to_stay_apart_from() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from fractions import Fraction
-from math import inf, isfinite
+from math import isfinite
 
 import pytest
 from hypothesis import given
@@ -18,7 +18,6 @@ from rpr_solver.exact.numerals import (
     fraction,
     integer,
     integer_text,
-    longest_text,
 )
 from rpr_solver.exact.rationals import exact_str, parse_exact
 
@@ -87,22 +86,6 @@ def test_hostile_texts_take_linear_time(text: str) -> None:
     with pytest.raises(InputError):
         parse_exact(text, "x")
     assert time.process_time() - begin < 1
-
-
-@pytest.mark.parametrize("digits", [1, 30, 400])
-def test_the_longest_text_of_a_number_is_read(digits: int) -> None:
-    least = "-0." + "0" * (digits - 2) + "1" if digits > 1 else "-1"
-    long = "+" + "9" * digits + "/" + "7" * digits
-    for text in (least, long, "9" * digits):
-        assert len(text) <= longest_text(digits)
-        assert parse_exact(text, "x", max_digits=digits)
-
-
-def test_doubles_of_any_size() -> None:
-    assert [double(sign * Fraction(10) ** 400) for sign in (-1, 1)] == [-inf, inf]
-    assert double(Fraction(10) ** -400) == 0
-    assert double(Fraction(1, 3)) == 1 / 3
-    assert double(7) == 7
 
 
 @given(st.fractions(), st.integers(-500, 500))

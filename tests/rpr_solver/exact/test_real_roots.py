@@ -4,25 +4,20 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 from itertools import pairwise
 from math import prod
-from types import SimpleNamespace
 
 import pytest
-from flint import acb, arb, arb_poly, ctx, fmpq, fmpq_poly, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpq_poly, fmpz_poly
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.quadratic import QuadraticPoly, SturmChain, changes_at, sturm_chain
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import (
     RealRoot,
-    _half,
-    _isolate,
-    _sharpened,
     _sign_changes,
     ball_of,
     bisected,
-    fraction_of,
     number_of_real_roots,
     real_roots,
     roots_below,
@@ -48,14 +43,6 @@ def ends(ball: arb) -> tuple[Fraction, Fraction]:
         for mantissa, exponent in (x.man_exp() for x in (ball.mid(), ball.rad()))
     )
     return middle - radius, middle + radius
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_the_half_with_the_root_is_known_by_signs_whose_product_has_none(sign: int) -> None:
-    value, slope = sign * arb(-1, 0.9), arb(-1, 0.9)
-    assert (value * slope).contains(0)
-    low, high = ends(_half(arb(0, 1), value, slope))
-    assert (low < -0.9 and high < 0.1) if sign > 0 else (low > -0.1 and high > 0.9)
 
 
 def holds(ball: arb, x: Fraction) -> bool:
@@ -135,11 +122,6 @@ def test_roots_over_a_quadratic_field_are_those_of_the_norm_less_the_conjugates(
             assert not other.ball(500)(x).contains(0)
 
 
-def test_a_constant_has_no_root() -> None:
-    assert real_roots(QuadraticPoly.rational([7])) == []
-    assert real_roots(QuadraticPoly(fmpz_poly([1]), fmpz_poly([3]), 5)) == []
-
-
 def test_roots_are_told_apart_however_close() -> None:
     """Two real roots 1e-40 apart; and a pair that misses the real axis by as little."""
     close = [Fraction(0), Fraction(1, 10**40)]
@@ -183,57 +165,6 @@ def test_roots_that_are_one_are_unproved(monkeypatch: pytest.MonkeyPatch) -> Non
 # what discs prove
 
 
-def isolated_by(
-    boxes: list[acb], polynomial: QuadraticPoly, monkeypatch: pytest.MonkeyPatch
-) -> list[RealRoot] | None:
-    """The verdict on discs that are true, though FLINT would have given others."""
-    discs = SimpleNamespace(roots=lambda **_: boxes)
-    monkeypatch.setattr("rpr_solver.exact.real_roots.acb_poly", lambda _: discs)
-    return _isolate(polynomial, 192, 0)
-
-
-def test_a_disc_on_the_real_axis_may_hold_one_of_a_pair(monkeypatch: pytest.MonkeyPatch) -> None:
-    """1 ± 10⁻⁶ i and 2: as long as a disc's mirror image meets another disc, its root may be either's."""
-    polynomial = with_roots([Fraction(2)], [10**12 + 1, -2 * 10**12, 10**12])
-    near_one = arb(1, 1e-14)
-    open_pair = [acb(near_one, arb(5e-7, 1e-6)), acb(near_one, arb(-1.3e-6, 7e-7)), acb(2)]
-    assert isolated_by(open_pair, polynomial, monkeypatch) is None
-    closed_pair = [acb(near_one, arb(1e-6, 1e-7)), acb(near_one, arb(-1e-6, 1e-7)), acb(arb(2, 0.01))]
-    roots = isolated_by(closed_pair, polynomial, monkeypatch)
-    assert roots is not None
-    assert [holds(root.refined(100), Fraction(2)) for root in roots] == [True]
-
-
-def test_roots_ascend_in_whatever_order_discs_come(monkeypatch: pytest.MonkeyPatch) -> None:
-    discs = [acb(arb(x, 0.01), arb(0, 0.01)) for x in (3, -2, 1)]
-    roots = isolated_by(discs, with_roots(map(Fraction, (-2, 1, 3))), monkeypatch)
-    assert roots is not None
-    assert [holds(root.ball, Fraction(x)) for root, x in zip(roots, (-2, 1, 3), strict=True)] == [True] * 3
-
-
-@pytest.mark.parametrize("reach", [Fraction(1, n) for n in (40, 60, 100, 1000)])
-def test_a_ball_is_sharpened_until_its_slope_is_seen_not_to_vanish(reach: Fraction) -> None:
-    """Near 4/10, a root beside nine others: the plain slope is far too wide."""
-    p = with_roots(Fraction(n, 10) for n in range(1, 11)).ball(192)
-    with ctx.workprec(192):
-        slope = p.derivative()
-        x = arb(ball_of(Fraction(4, 10) + reach / 30).mid(), ball_of(reach / 10).upper())
-        assert slope(x).contains(0)
-        sharp = _sharpened(p, slope, x)
-    assert sharp is not None
-    assert holds(sharp, Fraction(4, 10))
-    assert not slope(sharp).contains(0)
-
-
-def test_a_step_that_does_not_narrow_a_ball_ends_the_sharpening() -> None:
-    """x + 1 ± 1/4, where no step gives less than the width of the coefficient."""
-    p = arb_poly([arb(1, 0.25), 1])
-    assert _sharpened(p, p.derivative(), arb(-1, 0.25)) is None
-    inside = _sharpened(p, p.derivative(), arb(0, 8))
-    assert inside is not None
-    assert ends(inside)[0] <= Fraction(-5, 4) < Fraction(-3, 4) <= ends(inside)[1] < 0
-
-
 def steps_counted(monkeypatch: pytest.MonkeyPatch) -> list[arb]:
     """The lengths of the intervals that are examined from now on, a list that grows."""
     steps: list[arb] = []
@@ -244,20 +175,6 @@ def steps_counted(monkeypatch: pytest.MonkeyPatch) -> list[arb]:
 
     monkeypatch.setattr("rpr_solver.exact.real_roots._sign_changes", counted)
     return steps
-
-
-@pytest.mark.parametrize("spread", [9, 40])
-def test_a_cluster_far_from_other_roots_takes_few_steps(spread: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Many roots near 2 and −1/2, as of a slice whose sides are of very unequal length."""
-    near = [Fraction(n, 10**spread) for n in (-7, -3, 1, 2, 5)]
-    roots = sorted([*(2 + x for x in near), *(x - Fraction(1, 2) for x in near), Fraction(7)])
-    exact = with_roots(roots)
-    steps = steps_counted(monkeypatch)
-    found = bisected(exact.ball(2048), 2048)
-    assert found is not None
-    assert_each_holds_one(found, exact.a)
-    assert all(holds(x, root) for x, root in zip(found, roots, strict=True))
-    assert len(steps) < 80
 
 
 # refining
@@ -394,21 +311,6 @@ def test_bisection_of_wide_coefficients_holds_the_roots_of_each_polynomial_in_th
             assert near**2 <= Fraction(15, 8) < Fraction(17, 8) <= far**2
 
 
-def test_the_ball_of_a_rational_number_holds_it() -> None:
-    for bits in (53, 200):
-        with ctx.workprec(bits):
-            for x in (Fraction(1, 3), Fraction(-(10**40), 7), Fraction(5), Fraction(0)):
-                assert holds(ball_of(x), x)
-                assert x == 0 or ball_of(x).rel_accuracy_bits() >= bits - 4
-
-
-@given(st.integers(-(10**30), 10**30), st.integers(-300, 300))
-def test_the_middle_of_a_ball_is_a_fraction(mantissa: int, exponent: int) -> None:
-    with ctx.workprec(128):
-        x = arb(mantissa) * arb(2) ** exponent
-    assert fraction_of(x) == mantissa * Fraction(2) ** exponent
-
-
 @given(st.sets(RATIONALS, max_size=9), st.sets(st.integers(1, 9), max_size=4), st.integers(-3, 3))
 @examples(30)
 def test_roots_are_counted_as_they_are_found(roots: set[Fraction], squares: set[int], middle: int) -> None:
@@ -435,12 +337,6 @@ def test_roots_are_counted_below_points(roots: set[Fraction], points: list[Fract
     assert roots_below((p * p).ball(512), [None], 512) is None
 
 
-def test_roots_are_counted_below_points_between_them() -> None:
-    p = with_roots({Fraction(1, 3), Fraction(1, 2), Fraction(5)}, [7, 1, 1])
-    points = [Fraction(0), Fraction(2, 5), Fraction(1, 2) + Fraction(1, 2**60), None]
-    assert roots_below(p.ball(256), points, 256) == [0, 1, 2, 3]
-
-
 # roots of very unequal size
 
 SIZES = st.builds(
@@ -463,26 +359,6 @@ def test_roots_of_unequal_size_are_separated(roots: set[Fraction], middle: int, 
     assert all(holds(x, root) for x, root in zip(same, sorted(roots), strict=True))
 
 
-@pytest.mark.parametrize("exponent", [40, 250])
-def test_clusters_are_separated_in_leaps(exponent: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Halving alone would take about as many steps for each cluster as the exponent."""
-    points: list[arb | None] = []
-
-    def counted(chain: SturmChain, point: arb | None) -> int | None:
-        points.append(point)
-        return changes_at(chain, point)
-
-    monkeypatch.setattr("rpr_solver.exact.real_roots.changes_at", counted)
-    near = [Fraction(k, 2**exponent) for k in (-3, 0, 5)]
-    roots = sorted([*(x - Fraction(1, 3) for x in near), *(x + 70 for x in near), Fraction(9, 7)])
-    exact = with_roots(roots, [9, 1, 1])
-    found = separated(exact.ball(4096), 4096)
-    assert found is not None
-    assert_each_holds_one(found, exact.a)
-    assert all(holds(x, root) for x, root in zip(found, roots, strict=True))
-    assert len(points) < 130
-
-
 def test_what_is_not_certain_is_not_separated() -> None:
     close = with_roots([Fraction(1, 3), Fraction(1, 3) + Fraction(1, 2**200)])
     assert separated(close.ball(128), 128) is None
@@ -497,16 +373,3 @@ def test_what_is_not_certain_is_not_separated() -> None:
         for root, x in zip(separated_roots(at_zero), (0, Fraction(1, 10**30), 10**30), strict=True)
     ]
     assert separated_roots(QuadraticPoly.rational([7])) == []
-
-
-@given(st.sets(RATIONALS, min_size=1, max_size=6), RATIONALS)
-@examples(30)
-def test_changes_of_sign_are_those_of_the_sequence(roots: set[Fraction], point: Fraction) -> None:
-    """Also where values from the last ones up leave a sign open."""
-    p = with_roots(roots, [1, 0, 1])
-    for bits in (24, 53, 256):
-        with ctx.workprec(bits):
-            chain = sturm_chain(p.ball(bits))
-            if chain is None or (found := changes_at(chain, ball_of(point))) is None:
-                continue
-        assert found == sturm(p.a)(point)

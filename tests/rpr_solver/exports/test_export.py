@@ -6,13 +6,12 @@ import json
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
-from math import atan2, degrees
 from typing import Any
 
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, exact_str, export, table_document
-from rpr_solver.exports.export import SYSTEMS, half_unit, problem_of
+from rpr_solver.exports.export import half_unit, problem_of
 from tests.support.families import family
 from tests.support.scripts import RATIONAL, table
 from tests.support.shared import census_of
@@ -39,14 +38,6 @@ def test_what_cannot_be_exported_is_named(
     with pytest.raises(InputError) as caught:
         export(json.loads(written), system)
     assert [p.field for p in caught.value.problems] == [field]
-
-
-def test_no_expected_angle_has_an_infinite_half_tangent() -> None:
-    document = table(EXAMPLES["innocenti"], "14.98")
-    turn = problem_of(document).turns[1]
-    opposite = atan2(-float(Fraction(turn[1])), -float(Fraction(turn[0])))
-    document["slices"][0]["cusps"][0]["theta1_deg"] = f"{degrees(opposite):.15f}"
-    assert problem_of(document).turns[1] != turn
 
 
 def test_a_census_has_a_slice_in_each_interval_and_its_events() -> None:
@@ -84,12 +75,3 @@ def test_a_table_that_contradicts_itself_is_refused() -> None:
     document["slices"][0]["count"] = 5
     with pytest.raises(InputError, match="is 5, but 4 cusps are listed"):
         export(document, "pari")
-
-
-@pytest.mark.parametrize("system", sorted({*SYSTEMS} - {"msolve"}))
-def test_every_script_has_the_expected_cusps_as_comments_and_no_place_left_open(system: str) -> None:
-    document = table(EXAMPLES["innocenti"], "14.98")
-    script = export(document, system)
-    assert "@" not in script
-    for cusp in document["slices"][0]["cusps"]:
-        assert script.count(cusp["alpha_deg"]) == 2

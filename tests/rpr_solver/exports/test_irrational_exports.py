@@ -10,7 +10,8 @@ import pytest
 
 from rpr_solver import InputError, Manipulator, census, export, table_document
 from tests.rpr_solver.exports.test_msolve import System
-from tests.support.scripts import said, verdict
+from tests.support.sampling import long, sample
+from tests.support.scripts import said
 
 ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
 ROOTS = Manipulator(
@@ -23,25 +24,13 @@ TURNED = Manipulator(base={"points": [[1, 2], [11, 3], [4, 9]]}, platform={"side
 needs_pari = pytest.mark.skipif(shutil.which("gp") is None, reason="needs PARI/GP: apt-get install pari-gp")
 
 
-@pytest.mark.parametrize("row", ROWS[::4])
+@pytest.mark.parametrize("row", sample(ROWS[::4], 0, 3))
 @needs_pari
 def test_pari_finds_the_same_cusps(row: dict[str, Any], tmp_path: Path) -> None:
     document = table_document(Manipulator.from_json(row["geometry"]), row["l1"], digits=20)
     count = row["count"]
     status, lines = said(document, "pari", tmp_path)
     assert (status, lines) == (0, [f"L1 = {row['l1']}: {count} cusps, {count} expected: agrees", "agrees"])
-
-
-@pytest.mark.parametrize("leg", [1, 2, 3])
-@needs_pari
-def test_pari_notices_a_wrong_digit(leg: int, tmp_path: Path) -> None:
-    document = table_document(TURNED, 8, fixed_leg=leg, digits=20)
-    assert verdict(document, "pari", tmp_path) == "agrees"
-    cusp = document["slices"][0]["cusps"][1]
-    cusp["alpha_deg"] = (
-        cusp["alpha_deg"][:-3] + str((int(cusp["alpha_deg"][-3]) + 5) % 10) + cusp["alpha_deg"][-2:]
-    )
-    assert verdict(document, "pari", tmp_path) == "differs"
 
 
 @pytest.mark.parametrize("m", [ROOTS, TURNED], ids=["roots", "turned"])
@@ -53,7 +42,7 @@ def test_pari_agrees_with_transitions(m: Manipulator, tmp_path: Path) -> None:
     assert (status, lines[-1]) == (0, "agrees")
 
 
-@pytest.mark.parametrize("leg", [1, 2])
+@pytest.mark.parametrize("leg", [1, long(2)])
 def test_sympy_finds_the_same_cusps(leg: int, tmp_path: Path) -> None:
     status, lines = said(table_document(ROOTS, 8, fixed_leg=leg, digits=20), "sympy", tmp_path)
     assert (status, lines[-1]) == (0, "agrees")
@@ -83,10 +72,6 @@ def _number(z: Any) -> Any:
     return mp.mpf(z.a.numerator) / z.a.denominator + mp.mpf(z.b.numerator) / z.b.denominator * mp.sqrt(
         z.radicand
     )
-
-
-def test_the_script_for_sage_is_python() -> None:
-    compile(export(table_document(TURNED, 8, digits=20), "sage"), "sage", "exec")
 
 
 def test_maple_is_refused_by_name() -> None:

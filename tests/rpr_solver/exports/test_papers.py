@@ -71,20 +71,6 @@ def test_rows_of_slices_with_cusps_without_and_without_an_answer() -> None:
     assert all(row.endswith(r" \\") for row in rows)
 
 
-@pytest.mark.parametrize("digits", [0, 16])
-def test_more_digits_than_the_document_has(digits: int) -> None:
-    with pytest.raises(InputError, match=rf"^digits: is {digits}; give 1 to 15$"):
-        latex_table(the_table(), digits)
-
-
-def test_another_document_is_no_table() -> None:
-    for document in ({}, {"slices": 3}, census(EXAMPLES["zein-flat"], stop=2, digits=15).to_json()):
-        with pytest.raises(InputError, match=r"^document: is no cusp table"):
-            latex_table(document)
-    with pytest.raises(InputError, match=r"^document: has no geometry"):
-        bibtex({"slices": []}, "0.1.0", 2026)
-
-
 @pytest.mark.parametrize(
     ("document", "said"),
     [

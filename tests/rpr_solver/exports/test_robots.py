@@ -79,31 +79,6 @@ def test_a_message_in_yaml_is_that_in_json(unit: str, metres: Fraction) -> None:
         assert 0 <= time["nanosec"] < 10**9
 
 
-def test_numbers_that_are_small_are_numbers_in_yaml() -> None:
-    small = cusp_loop(
-        Manipulator("1.591e-5", 0, "1e-5", "1.704e-5", "1.654e-5", "2.084e-5"), "2.7e-5", 1, samples=3
-    )
-    message = yaml.safe_load(export(small.to_json(), "ros2-yaml", unit="mm"))
-    numbers = [x for point in message["points"] for x in point["positions"]]
-    assert all(type(x) is float and 0 < x < 1e-7 for x in numbers)
-
-
-def test_positions_may_be_relative_to_the_start() -> None:
-    document = moving("other lengths")
-    whole, relative = (
-        columns(json.loads(export(document, "ros2-json", unit="m", relative=own))) for own in (False, True)
-    )
-    assert not relative["positions"][0].any()
-    assert np.allclose(whole["positions"] - whole["positions"][0], relative["positions"], atol=1e-12)
-
-
-def test_a_path_without_a_motion_has_positions_alone() -> None:
-    document = cusp_loop(INNOCENTI, 27, "B", samples=3, duration="2.5").to_json()
-    message = json.loads(export(document, "ros2-json", unit="mm"))
-    assert [list(point) for point in message["points"]] == [["positions", "time_from_start"]] * 3
-    assert message["points"][2]["time_from_start"] == {"sec": 2, "nanosec": 500_000_000}
-
-
 def matrix(pose: str | None) -> np.ndarray:
     """A planar pose of SDFormat, x y z roll pitch yaw, as a matrix."""
     x, y, z, roll, pitch, yaw = map(float, (pose or "0 0 0 0 0 0").split())

@@ -11,7 +11,7 @@ import pytest
 from rpr_solver.figures.views import figure_of
 from service.cli.main import main
 from tests.support.pictures import GEOMETRY, check, words
-from tests.support.sampling import sample
+from tests.support.sampling import long, sample
 
 
 def table(*ends: tuple[str, str | None, int]) -> dict[str, Any]:
@@ -38,7 +38,9 @@ def document(objective: str = "longest-range", stop: str | None = "30", **wish: 
     }
 
 
-@pytest.mark.parametrize("wish", [{"max_cusps": 4}, {"min_cusps": 6}, {"min_cusps": 2, "max_cusps": 40}, {}])
+@pytest.mark.parametrize(
+    "wish", [{"max_cusps": 4}, long({"min_cusps": 6}), long({"min_cusps": 2, "max_cusps": 40}), {}]
+)
 @pytest.mark.parametrize("stop", sample(["30", None], 0))
 def test_all_that_was_found_is_shown(wish: dict[str, int], stop: str | None) -> None:
     figure = figure_of(document("least-change", stop, **wish))

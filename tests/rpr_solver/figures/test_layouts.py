@@ -40,7 +40,7 @@ VECTORS = [
 ]
 
 
-@pytest.mark.parametrize("view", ["joints", "torus"])
+@pytest.mark.parametrize("view", ["joints", long("torus")])
 @pytest.mark.parametrize(("name", "length"), VECTORS)
 def test_a_slice_of_a_vector(name: str, length: str, view: str) -> None:
     at_every_width(singular_curves(EXAMPLES[name], length).figure(view))

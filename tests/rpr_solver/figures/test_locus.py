@@ -9,6 +9,7 @@ from rpr_solver import EXAMPLES, InputError
 from rpr_solver.figures.locus import locus_figure, projections_figure
 from rpr_solver.figures.views import figure_of
 from tests.support.pictures import GEOMETRY, check, sheet_of, words
+from tests.support.sampling import long
 from tests.support.shared import curves_of
 
 
@@ -37,7 +38,7 @@ def test_curves_and_their_ends() -> None:
     assert "C2 from L1 = 4 (lips) to ∞ (open)" in figure.description
 
 
-@pytest.mark.parametrize("count", [0, 20])
+@pytest.mark.parametrize("count", [long(0), 20])
 def test_any_number_of_curves(count: int) -> None:
     for draw in (locus_figure, projections_figure):
         check(draw(document(*(curve(f"C{k}", k / 7, 5 + k) for k in range(count)))))

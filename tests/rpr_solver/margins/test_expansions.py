@@ -149,25 +149,6 @@ def test_the_least_value_of_a_polynomial_is_bounded_and_often_attained() -> None
     assert (least >= crude - 1e-12).all()
 
 
-def test_slopes_at_the_middle_are_derivatives() -> None:
-    box = problem("innocenti", 1, "17", "0.3")
-    ring = BoxRing(box, box.grid(32)[5:6])
-    computed = functions(box.systems(ring, 2))
-    middle = [Fraction(x) for x in ring.middle[:, 0]]
-    step = Fraction(1, 10**12)
-    for variable in range(box.size):
-        unit = Fraction(TURN) / Fraction(str(2 * np.pi)) if variable < 2 else 1
-        with ctx.workprec(300):
-            below, above = (
-                exact(box, [x + side * step * unit * (k == variable) for k, x in enumerate(middle)])
-                for side in (-1, 1)
-            )
-            rates = [float((y - x) / 2 / arb(1) * 10**12) for x, y in zip(below, above, strict=True)]
-        half = ring.half[variable, 0]
-        slopes = [float(function.terms[1 + variable, 0] / half) for function in computed]
-        assert np.allclose(rates, slopes, rtol=1e-8, atol=1e-9)
-
-
 def test_angles_have_their_cosines_and_sines() -> None:
     rng = random.Random(2)
     angles = [0, 1, TURN - 1, TURN // 4, TURN // 2, *(rng.randrange(-TURN, TURN) for _ in range(2000))]

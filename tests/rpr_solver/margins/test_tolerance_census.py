@@ -7,9 +7,9 @@ from functools import cache
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, ToleranceCensus, census, tolerance_census
+from rpr_solver import EXAMPLES, Manipulator, ToleranceCensus, census, tolerance_census
 from rpr_solver.contract import LENGTHS
-from rpr_solver.margins.bands import ORDER, OUTSIDE, SINGULAR, Span, merged
+from rpr_solver.margins.bands import ORDER, OUTSIDE, SINGULAR, Span
 from tests.support.sampling import long
 
 INNOCENTI = EXAMPLES["innocenti"]
@@ -144,22 +144,6 @@ def test_a_transition_that_is_not_located_leaves_the_others_proved() -> None:
     assert answer.open[0].span.start > 10.8
     assert (answer.pieces[0].least, answer.pieces[0].most) == (6, 6)
     assert_holds(answer, near(INNOCENTI, answer.tolerance, random.Random(11)))
-
-
-def test_bad_input_is_named() -> None:
-    with pytest.raises(InputError, match="tolerance"):
-        tolerance_census(INNOCENTI, 0)
-    with pytest.raises(InputError, match=r"tolerance\.d4"):
-        tolerance_census(INNOCENTI, {"d4": 1})
-    with pytest.raises(InputError, match="stop"):
-        tolerance_census(INNOCENTI, 1, start=5, stop=4)
-
-
-def test_spans_are_merged_where_they_meet() -> None:
-    spans = [
-        Span(Fraction(a), None if b is None else Fraction(b)) for a, b in ((5, 6), (1, 2), (2, 3), (6, None))
-    ]
-    assert merged(spans) == [Span(Fraction(1), Fraction(3)), Span(Fraction(5), None)]
 
 
 @pytest.mark.long

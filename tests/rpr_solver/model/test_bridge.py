@@ -5,16 +5,14 @@ from fractions import Fraction
 from pathlib import Path
 
 import mpmath as mp
-import pytest
 from flint import acb, arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver import Manipulator
 from rpr_solver.exact.number_field import exact_omega
-from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.bridge import Bridge
-from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, pose_of
+from rpr_solver.model.jets import HalfTangent, LocalMap, Pose
 from rpr_solver.model.joint_points import ExactPose, cos_sin
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.strategies import examples
@@ -81,42 +79,3 @@ def test_half_tangents_go_over_the_bridge_and_back(
             (t, u), (bridge.from_alpha(angles[0]), bridge.from_theta(angles[1])), strict=True
         ):
             assert abs(back.numerator / back.denominator - arb(half.numerator) / half.denominator) < 1e-40
-
-
-@given(st.sampled_from(MACHINES), halves, halves)
-@examples(30)
-def test_balls_in_the_article_frame_have_the_same_legs(
-    manipulator: Manipulator, t: Fraction, u: Fraction
-) -> None:
-    slice_map = SliceMap.of(manipulator)
-    bridge, pose = Bridge.of(slice_map), exact_pose(slice_map, t, u, Fraction(7))
-    squares = LocalMap.at(slice_map, pose, 0).squared_lengths()
-    with ctx.workprec(BITS):
-        own = [HalfTangent(arb(x.numerator), arb(x.denominator)) for x in (t, u)]
-        balls = pose_of(
-            bridge.alpha(own[0]),
-            bridge.theta(own[1]),
-            pose.length.ball(BITS),
-            omega_ball(slice_map.radicand, BITS),
-        )
-        for exact, ball in zip(squares, LocalMap.at(slice_map, balls, 0).squared_lengths(), strict=True):
-            assert exact.ball(BITS).overlaps(ball)
-
-
-@pytest.mark.parametrize("name", sorted(EXAMPLES))
-def test_six_rational_numbers_have_half_tangents_as_they_are(name: str) -> None:
-    bridge = Bridge.of(SliceMap.of(EXAMPLES[name]))
-    half = HalfTangent(arb(3), arb(7))
-    assert bridge.is_along
-    assert bridge.alpha(half) is half
-    assert bridge.tangents(1) == "t = tan(alpha/2), u = tan(theta1/2)"
-
-
-def test_axes_are_written_out() -> None:
-    """The base of one's own points begins with an irrational side, so that its axis is not that of x."""
-    manipulator = Manipulator(base={"points": [[0, 0], [1, 1], [-2, 3]]}, platform={"sides": [3, 4, 5]})
-    assert "arg(" in Bridge.of(SliceMap.of(manipulator)).tangents(1)
-    straight = Manipulator(base={"equilateral": 10}, platform={"equilateral": 3})
-    assert Bridge.of(SliceMap.of(straight)).tangents(2) == (
-        "t = tan(alpha/2)/sqrt(3), u = tan(theta2/2)/sqrt(3)"
-    )

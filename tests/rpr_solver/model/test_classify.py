@@ -1,6 +1,5 @@
 """Each kind of pose at its normal form, in any coordinates, and at poses of manipulators."""
 
-import json
 from collections.abc import Callable
 from fractions import Fraction
 from math import factorial
@@ -175,10 +174,3 @@ def check_by_differences(kind: PoseKind, f: Function, g: Function, *at: mpf) -> 
         assert zero(*gradient(j, *at))
         assert (aa * bb > ab**2) == (kind is PoseKind.LIPS)
         assert kind is PoseKind.NODE or not zero(second(*at))
-
-
-def test_a_kind_is_a_string_and_looks_like_one() -> None:
-    assert PoseKind("lips") is PoseKind.LIPS
-    assert (PoseKind.LIPS, repr(PoseKind.LIPS), f"{PoseKind.LIPS}") == ("lips", "'lips'", "lips")
-    assert json.dumps({"kind": PoseKind.BEAK_TO_BEAK}) == '{"kind": "beak-to-beak"}'
-    assert not PoseKind.ORDINARY

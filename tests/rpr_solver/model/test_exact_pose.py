@@ -8,12 +8,12 @@ import pytest
 from flint import arb, ctx, fmpz_mpoly
 
 from rpr_solver import PoseKind
-from rpr_solver.exact.biform import RING, BiForm, T, U
+from rpr_solver.exact.biform import BiForm, T, U
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model import jets
-from rpr_solver.model.joint_points import ExactPose, common_poses, place
+from rpr_solver.model.joint_points import ExactPose, common_poses
 from rpr_solver.model.slice_map import SliceMap
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, direction
@@ -68,24 +68,6 @@ def test_a_degree_that_is_lower_in_both_is_a_zero_at_180_degrees() -> None:
         assert [x for x in half_tangents(poses) if x is None] == at_infinity
 
 
-def test_where_both_forms_vanish_every_angle_is_a_zero() -> None:
-    first, second = form((U - 2) * (T - 1), 1, 1), form((U - 2) * (T - 3), 1, 1)
-    assert common_poses(first, second, root_at(2), 1, 1) is None
-    assert common_poses(first, second, root_at(3), 1, 1) == []
-
-
-@pytest.mark.parametrize("radicand", [1, 3])
-def test_a_place_knows_omega_at_infinity_too(radicand: int) -> None:
-    u, omega = place(root_at(4, radicand), radicand)
-    assert u is not None
-    assert (u - 4).is_zero
-    nowhere, same = place(None, radicand)
-    assert nowhere is None
-    for x in (omega, same):
-        assert (x * x - radicand).is_zero
-        assert x.sign > 0
-
-
 @pytest.mark.parametrize(
     ("construct", "kind"),
     [
@@ -106,19 +88,3 @@ def test_a_pose_has_its_kind_its_angles_and_its_legs(construct: Callable[[], Con
         assert [float_of(x) for x in exact.coordinates(BITS)] == pytest.approx([float(x) for x in expected])
     scale = exact.local.slice_map.scale
     assert exact.length.rational == at.pose.l1 * scale
-
-
-def test_rational_lengths_and_half_turns_are_exact() -> None:
-    at = constructed.leg_3_closed()
-    assert exactly(at).coordinates(BITS)[3] == Fraction(0)
-    half_turn = constructed.cusp(Pose(TRIANGLE, Fraction(10), WEST, direction(1, 3)), Fraction(25))
-    theta = exactly(half_turn).coordinates(BITS)[1]
-    assert theta.unique_fmpz() == 180
-    right = Pose(constructed.RIGHT, Fraction(5), direction(0, 1), direction(0, 1))
-    flat = Constructed(right, right.manipulator(Fraction(15, 2), (Fraction(1), Fraction(12))))
-    assert exactly(flat).coordinates(BITS)[:2] == (arb(0), arb(0))
-    assert exactly(flat).coordinates(BITS)[2:] == (Fraction(5, 2), Fraction(4))
-
-
-def test_a_constant_form_has_no_zero() -> None:
-    assert common_poses(form(RING.constant(1), 0, 0), form(SHARED, 3, 0), root_at(1), 1, 1) == []

@@ -1,6 +1,5 @@
 """Angles by half tangents against mpmath's, and common roots of forms against roots that were put in."""
 
-from fractions import Fraction
 from math import prod
 
 import mpmath as mp
@@ -9,8 +8,7 @@ from flint import arb, ctx, fmpz_poly
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.model.jets import HalfTangent, common_root, pose_of
+from rpr_solver.model.jets import HalfTangent, common_root
 
 RATIOS = st.tuples(st.integers(-50, 50), st.integers(-50, 50)).filter(any)
 FACTORS = st.lists(RATIOS, max_size=4)
@@ -26,30 +24,6 @@ def angle(n: int, d: int) -> mp.mpf:
     return mp.degrees(2 * mp.atan(mp.mpf(n) / d)) if d else mp.mpf(180)
 
 
-@given(RATIOS)
-@example((3, 0))
-@example((0, -2))
-def test_cosine_and_sine(ratio: tuple[int, int]) -> None:
-    n, d = ratio
-    cos, sin = half_tangent(n, d).cos_sin()
-    for value, numerator in ((cos, d * d - n * n), (sin, 2 * n * d)):
-        assert value.overlaps(ball_of(Fraction(numerator, n * n + d * d)))
-        assert value.rad() < 1e-13
-
-
-@given(RATIOS, st.sampled_from([0, 180]))
-@example((1, 0), 0)
-@example((-1, 0), 0)
-@example((0, -1), 0)
-@example((7, -7), 180)
-def test_degrees_lie_above_minus_180_and_up_to_180(ratio: tuple[int, int], offset: int) -> None:
-    with ctx.workprec(200), mp.workdps(60):
-        degrees = half_tangent(*ratio).degrees(offset)
-        middle = mp.mpf(degrees.str(50, radius=False))
-        assert abs(middle - offset - angle(*ratio)) < mp.mpf(10) ** -45
-        assert degrees.rad() < 1e-50
-
-
 @pytest.mark.parametrize("side", [1, -1])
 def test_degrees_are_sharp_on_both_sides_of_the_half_turn(side: int) -> None:
     """Where the tangent itself would be a ball without end, and where it is tiny."""
@@ -59,25 +33,6 @@ def test_degrees_are_sharp_on_both_sides_of_the_half_turn(side: int) -> None:
         assert abs(gap * mp.mpf(10) ** 40 / mp.degrees(2) - 1) < 1e-15
         tiny = HalfTangent(arb(10) ** -40, arb(side)).degrees()
         assert abs(mp.mpf(tiny.str(20, radius=False)) * side * mp.mpf(10) ** 40 / mp.degrees(2) - 1) < 1e-15
-
-
-@given(st.fractions(-20, 20, max_denominator=20), st.fractions(0, 1, max_denominator=100))
-def test_a_ball_s_degrees_hold_those_of_its_numbers(n: Fraction, reach: Fraction) -> None:
-    """Balls round n/1 with |n| below, above and across 1."""
-    ball = arb(ball_of(n).mid(), ball_of(reach).upper())
-    degrees = HalfTangent(ball, arb(1)).degrees()
-    for x in (n - reach, n, n + reach):
-        exact = arb(str(mp.nstr(angle(x.numerator, x.denominator), 15)))
-        assert not degrees.is_finite() or degrees.overlaps(arb(exact.mid(), 1e-10))
-
-
-def test_a_pose_has_the_angles_of_its_half_tangents() -> None:
-    """α by 1/2 and θ by 2/−3, each with its own place."""
-    pose = pose_of(half_tangent(1, 2), half_tangent(2, -3), arb(7), arb(11))
-    expected = (Fraction(3, 5), Fraction(4, 5), Fraction(5, 13), Fraction(-12, 13), Fraction(7), Fraction(11))
-    balls = (pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta, pose.length, pose.omega)
-    assert [x.overlaps(ball_of(y)) for x, y in zip(balls, expected, strict=True)] == [True] * 6
-    assert all(x.rad() < 1e-12 for x in balls)
 
 
 # common roots
@@ -90,10 +45,6 @@ def form(roots: list[tuple[int, int]], others: list[tuple[int, ...]]) -> list[ar
     )
     degree = len(roots) + 2 * len(others)
     return [arb(p[k]) for k in range(degree + 1)]
-
-
-def same(x: tuple[int, int], y: tuple[int, int]) -> bool:
-    return x[0] * y[1] == x[1] * y[0]
 
 
 def shares_a_root(j: list[arb], e: list[arb]) -> bool:

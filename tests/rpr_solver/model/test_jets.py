@@ -3,19 +3,19 @@
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
-from math import comb, factorial
+from math import comb
 
 import mpmath as mp
 import pytest
-from flint import arb, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import arb, ctx, fmpq_mpoly_ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver import Manipulator
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.jets import Jet, LocalMap, Pose
+from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.strategies import examples, manipulators, rationals
 
@@ -77,29 +77,6 @@ def pose_at(slice_map: SliceMap, alpha: str, theta: str, length: Fraction) -> Po
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("leg", [1, 2, 3])
-@pytest.mark.parametrize(("alpha", "theta", "length"), PLACES)
-@pytest.mark.parametrize("m", [HEXAGON, EXAMPLES["zein-flat"]], ids=["triangle", "flat"])
-def test_derivatives_of_the_squared_legs(
-    m: Manipulator, leg: int, alpha: str, theta: str, length: int
-) -> None:
-    """All partial derivatives of f/2 and g/2; a constant is left out of the value."""
-    slice_map = SliceMap.of(m, leg)
-    unit = number(slice_map.scale) ** 2
-    with mp.workdps(80):
-        local = LocalMap.at(slice_map, pose_at(slice_map, alpha, theta, Fraction(length)), ORDER)
-        place = mp.mpf(alpha), mp.mpf(theta)
-        legs = squared_legs(m, leg, Fraction(length))
-        for jet, square, value in zip((local.f, local.g), legs, local.squared_lengths(), strict=True):
-            assert jet.order == ORDER
-            assert abs(value / unit - square(*place)) < TINY
-            for i in range(ORDER + 1):
-                for j in range(ORDER + 1 - i):
-                    if i or j:
-                        expected = difference(square, place, i, j)
-                        assert abs(2 * jet.table[i][j] / unit - expected) < TINY * 1000, (i, j)
-
-
 @pytest.mark.parametrize(("alpha", "theta", "length"), PLACES)
 def test_the_jacobian_determinant_and_its_derivative_along_the_kernel(
     alpha: str, theta: str, length: int
@@ -140,32 +117,6 @@ def scaled(square: Function, slice_map: SliceMap) -> Function:
 # the rules, on polynomials, whose derivatives FLINT takes
 
 X, Y = fmpq_mpoly_ctx.get(("x", "y"), "lex").gens()
-
-
-@st.composite
-def polynomials(draw: st.DrawFn) -> fmpq_mpoly:
-    powers = st.tuples(st.integers(0, 3), st.integers(0, 3))
-    return X.context().from_dict(draw(st.dictionaries(powers, st.integers(-9, 9), max_size=5)))
-
-
-def jet(p: fmpq_mpoly, order: int) -> Jet[fmpq]:
-    """At the origin."""
-    return Jet.build(order, lambda i, j: p[i, j] * factorial(i) * factorial(j))
-
-
-@given(polynomials(), polynomials(), st.integers(0, 4), st.integers(0, 4))
-def test_differences_and_products(p: fmpq_mpoly, q: fmpq_mpoly, m: int, n: int) -> None:
-    """Known to the lower of two orders."""
-    a, b, order = jet(p, m), jet(q, n), min(m, n)
-    assert a * b == jet(p * q, order)
-    assert a - b == jet(p - q, order)
-    assert (a.order, a.value) == (m, p[0, 0])
-
-
-@given(polynomials(), st.integers(1, 5))
-def test_partial_derivatives_are_of_one_order_less(p: fmpq_mpoly, order: int) -> None:
-    assert jet(p, order).alpha == jet(p.derivative(0), order - 1)
-    assert jet(p, order).theta == jet(p.derivative(1), order - 1)
 
 
 # rings

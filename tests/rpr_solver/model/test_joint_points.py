@@ -10,18 +10,13 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, JointPoint, PoseKind
+from rpr_solver import EXAMPLES, PoseKind
 from rpr_solver.article.couples import CuspBalls, point_of_balls
 from rpr_solver.exact.number_field import Algebraic, Field
-from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import (
     ExactPose,
-    coordinate_names,
     cos_sin,
-    free_legs,
-    joint_point,
     point_of_pose,
 )
 from rpr_solver.model.slice_map import SliceMap
@@ -48,28 +43,6 @@ def rational_pose(first: Fraction, second: Fraction) -> ExactPose:
 # names
 
 
-@pytest.mark.parametrize(("leg", "others"), [(1, (2, 3)), (2, (1, 3)), (3, (1, 2))])
-def test_names_follow_the_fixed_leg(leg: int, others: tuple[int, int]) -> None:
-    first, second = others
-    assert free_legs(leg) == others
-    assert coordinate_names(leg) == ("alpha_deg", f"theta{leg}_deg", f"l{first}", f"l{second}")
-    x = JointPoint(leg, ("10", "20", "30", "40"))
-    assert x.to_json() == {
-        "alpha_deg": "10", f"theta{leg}_deg": "20", f"l{first}": "30", f"l{second}": "40"
-    }  # fmt: skip
-    assert JointPoint.from_json({"kind": "lips", **x.to_json()}, leg) == x
-    assert [getattr(x, name) for name in x.names] == ["10", "20", "30", "40"]
-    for other in others:
-        with pytest.raises(AttributeError, match=f"no theta{other}_deg"):
-            getattr(x, f"theta{other}_deg")
-
-
-def test_an_angle_that_rounds_to_minus_180_is_180() -> None:
-    x = joint_point(["-180.000", "-180.000", "180.000", "17"], 1)
-    assert x.coordinates == ("180.000", "180.000", "180.000", "17")
-    assert joint_point(["-18.0", "-179.999", "1", "2"], 1).coordinates[:2] == ("-18.0", "-179.999")
-
-
 # from balls
 
 
@@ -90,14 +63,6 @@ def test_a_cusp_s_balls_are_rounded_each_in_its_place(values: Sequence[int], dig
         assert abs(Fraction(text) - exact) <= abs(exact) * Fraction(5, 10**digits)
         assert len(text.lstrip("-0.").replace(".", "").split("e")[0]) == digits
     assert (x.alpha.overlaps(balls[0]), x.theta.overlaps(balls[1])) == (True, True)
-
-
-@pytest.mark.parametrize("wide", range(4))
-def test_one_wide_ball_and_there_is_no_point(wide: int) -> None:
-    balls = [arb(x, 1e-12) for x in (10, 20, 30, 40)]
-    assert point_of_balls(CuspBalls(*balls), 1, 9) is not None
-    balls[wide] = arb(balls[wide].mid(), 1e-6)
-    assert point_of_balls(CuspBalls(*balls), 1, 9) is None
 
 
 # from exact poses
@@ -122,27 +87,3 @@ def test_a_rational_length_is_rounded_exactly(length: str, digits: int, text: st
 
 def pairs_with(length: Fraction) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
     return (length, Fraction(9)), (Fraction(9), length)
-
-
-@pytest.mark.parametrize("leg", [1, 2, 3])
-def test_a_pose_has_its_angles_and_its_leg(leg: int) -> None:
-    """tan(α/2) = 1 and tan(θ/2) = −1/2; then both at 180°."""
-    squares = RATIONALS(25), RATIONALS(64)
-    x = point_of_pose(pose(RATIONALS(1), RATIONALS(Fraction(-1, 2)), *squares, leg=leg), 12)
-    assert x.point == JointPoint(leg, ("90.0000000000", "-53.1301023542", "5.00000000000", "8.00000000000"))
-    assert x.kind is PoseKind.LIPS
-    assert (x.alpha.contains(90), x.theta < -53) == (True, True)
-    turned = point_of_pose(pose(None, None, *squares, leg=leg), 5)
-    assert turned.point.coordinates[:2] == ("180.00", "180.00")
-
-
-def test_irrational_coordinates_are_rounded() -> None:
-    root = real_roots(QuadraticPoly.rational([-2, 0, 1]))[1]
-    field = Field(root)
-    x = field.generator
-    irrational = pose(x, -x, x * x * x, field(2), kind="cusp")
-    result = point_of_pose(irrational, 30)
-    assert result.point.coordinates == (
-        "109.471220634490691369245999340", "-109.471220634490691369245999340",
-        "1.68179283050742908606225095247", "1.41421356237309504880168872421",
-    )  # fmt: skip

@@ -47,11 +47,6 @@ def test_orientation_matters_except_for_a_flat_platform() -> None:
     assert Manipulator.from_json({**flat.to_json(), "orientation": "cw"}) == flat
 
 
-def test_canonical_json_reads_back() -> None:
-    for manipulator in EXAMPLES.values():
-        assert Manipulator.from_json(manipulator.to_json()) == manipulator
-
-
 def test_every_wrong_field_is_named() -> None:
     assert problems(d1="absent", a3x="x", colour="red").keys() == {
         "geometry.d1",
@@ -64,18 +59,6 @@ def test_every_wrong_field_is_named() -> None:
     assert "at most d1 + d2 = 33.58" in problems(d3="33.59")["geometry.d3"]
     assert "neither" in problems(orientation="left")["geometry.orientation"]
     assert "neither" in problems(orientation=None)["geometry.orientation"]
-
-
-@pytest.mark.parametrize("obj", [None, [], "innocenti", 3])
-def test_what_is_no_object_is_refused(obj: object) -> None:
-    with pytest.raises(InputError, match="geometry"):
-        Manipulator.from_json(obj)  # type: ignore[arg-type]
-
-
-def test_a_geometry_may_name_its_schema(tmp_path: Path) -> None:
-    robot = tmp_path / "robot.json"
-    robot.write_text(json.dumps({"$schema": "schemas/geometry.json", **EXAMPLES["innocenti"].to_json()}))
-    assert Manipulator.from_file(robot) == EXAMPLES["innocenti"]
 
 
 def test_a_file_may_have_a_name_and_a_unit_or_be_an_answer(tmp_path: Path) -> None:
@@ -131,16 +114,3 @@ def test_lengths_in_balls_and_doubles_enclose_the_roots() -> None:
     assert exact.intervals()[:4] == [(4, 4), (1, 1), (-0.5, -0.5), (1, 1)]
     low, high = exact.intervals()[4]
     assert Fraction(low) < exact.d2 < Fraction(high)
-
-
-def test_a_file_may_hold_two_triangles(tmp_path: Path) -> None:
-    robot = tmp_path / "robot.json"
-    for content in (IRRATIONAL, {"geometry": IRRATIONAL}, {"name": "Gripper", **IRRATIONAL}):
-        robot.write_text(json.dumps(content))
-        assert Manipulator.from_file(robot) == Manipulator.from_json(IRRATIONAL)
-
-
-def test_what_needs_rational_numbers_says_so() -> None:
-    with pytest.raises(InputError, match=r"geometry\.a3y: is sqrt\(75\), but a wheel needs"):
-        Manipulator.from_json(IRRATIONAL).rational_lengths("a wheel")
-    assert EXAMPLES["innocenti"].rational_lengths("a wheel")[1:3] == (0, 10)

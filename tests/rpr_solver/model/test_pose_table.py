@@ -18,13 +18,13 @@ from rpr_solver import (
     PlatformPose,
     PoseTable,
     cusp_table,
-    exact_str,
     poses,
     poses_of_squares,
 )
 from tests.support.article import number
 from tests.support.article import pose as article_pose
 from tests.support.newton import Slice
+from tests.support.sampling import sample
 from tests.support.strategies import examples, lengths, manipulators, rationals
 
 Vector = tuple[Fraction, Fraction]
@@ -208,17 +208,12 @@ SLICES = (
     ("zein-flat", "3", 4),
     ("fourteen-cusps", "5.96", 14),
 )
-CUSPS = [(name, l1, k) for name, l1, count in SLICES for k in range(count)]
+CUSPS = sample([(name, l1, k) for name, l1, count in SLICES for k in range(count)], 0, 7, 17, 21, 30)
 
 
 @cache
 def solved(name: str, l1: str) -> tuple[JointPoint, ...]:
     return cusp_table(EXAMPLES[name], [l1], digits=90)[0].cusps
-
-
-@pytest.mark.parametrize(("name", "l1", "count"), SLICES)
-def test_the_slices_have_so_many_cusps(name: str, l1: str, count: int) -> None:
-    assert len(solved(name, l1)) == count
 
 
 @pytest.mark.parametrize(("name", "l1", "k"), CUSPS)
@@ -353,17 +348,6 @@ def test_no_pose_is_an_answer() -> None:
     assert (table.count, table.count_with_multiplicity, table.curves) == (0, 0, ())
 
 
-def test_the_document() -> None:
-    document = poses(INNOCENTI, "14.98", "15", "12", digits=30).to_json()
-    assert (document["l1"], document["l2"], document["l3"]) == ("14.98", "15", "12")
-    assert (document["count"], document["count_with_multiplicity"]) == (6, 6)
-    assert len(document["polynomial"]["coefficients"]) == 7  # type: ignore[index]
-    alphas = [float(p["alpha_deg"]) for p in document["poses"]]  # type: ignore[attr-defined]
-    assert alphas == sorted(alphas)
-    irrational = poses_of_squares(INNOCENTI, 200, 225, 144, digits=15).to_json()
-    assert (irrational["l1"], irrational["l2"]) == ("sqrt(200)", "15")
-
-
 def test_digits_from_15_to_1000() -> None:
     long, short = (poses(INNOCENTI, "14.98", "15", "12", digits=d) for d in (1000, 15))
     for a, b in zip(long.poses, short.poses, strict=True):
@@ -383,28 +367,3 @@ def test_extreme_scales(exponent: int) -> None:
     huge = replace(INNOCENTI, **{name: getattr(INNOCENTI, name) * factor for name in names})
     exact = [Fraction(x) for x in ("14.98", "15", "12")]
     assert pose_angles(poses(huge, *(x * factor for x in exact))) == pose_angles(poses(INNOCENTI, *exact))
-
-
-@pytest.mark.parametrize(
-    ("values", "fields"),
-    [
-        (("0", "1", "1"), ["l1"]),
-        (("1", "-2", "x"), ["l2", "l3"]),
-        (("1", 2.5, "1"), ["l2"]),
-        (("1", "1", "1" * 500), ["l3"]),
-    ],
-)
-def test_bad_lengths_are_named(values: tuple[object, ...], fields: list[str]) -> None:
-    with pytest.raises(InputError) as caught:
-        poses(INNOCENTI, *values)  # type: ignore[arg-type]
-    assert [p.field for p in caught.value.problems] == fields
-
-
-def test_bad_digits_are_named() -> None:
-    with pytest.raises(InputError) as caught:
-        poses(INNOCENTI, 1, 1, 1, digits=3)
-    assert [p.field for p in caught.value.problems] == ["digits"]
-
-
-def test_exact_text_of_input_is_kept() -> None:
-    assert poses(INNOCENTI, "1498/100", "46/3", 12, digits=15).to_json()["l2"] == exact_str(Fraction(46, 3))

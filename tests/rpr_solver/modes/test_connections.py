@@ -20,9 +20,6 @@ from rpr_solver import (
     pose_connections,
     pose_path,
 )
-from rpr_solver.errors import Unproved
-from rpr_solver.modes import connections
-from rpr_solver.modes.joined_regions import Aspects
 from tests.support.families import FAMILIES, family
 from tests.support.motions import Mover
 from tests.support.sampling import long
@@ -124,37 +121,6 @@ def test_a_singular_pose_is_joined_with_none() -> None:
     compared(found)
 
 
-def test_a_pose_too_near_a_singularity_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    end_of = connections.Ends.end_of
-
-    def unproved(self: connections.Ends, table: Any, lengths: Any, number: int) -> connections.End:
-        if number == 2:
-            raise Unproved("a pose is too near a singularity")
-        return end_of(self, table, lengths, number)
-
-    monkeypatch.setattr(connections.Ends, "end_of", unproved)
-    found = pose_connections(FIRST, 27, 20, 20)
-    assert found.signs == (-1, None, 1, 1)
-    assert set(found.matrix[1]) == {"undecided"}
-    assert found.groups == ((1,), (3, 4))
-
-
-def test_slices_tell_what_a_range_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = pose_connections(FIRST, 27, "25.7", "9.2", to=(27, 20, 20), between=(27, 30))
-    aspects = Aspects.of
-
-    def of(slice_map: Any, span: Any) -> Aspects:
-        if span[0] != span[1]:
-            raise SolverError("not supported")
-        return aspects(slice_map, span)
-
-    monkeypatch.setattr(Aspects, "of", of)
-    found = pose_connections(FIRST, 27, "25.7", "9.2", to=(27, 20, 20), between=(27, 30))
-    assert UNDECIDED in found.matrix[1]
-    for own, known in zip(found.matrix, usual.matrix, strict=True):
-        assert all(x is y or x is UNDECIDED for x, y in zip(own, known, strict=True))
-
-
 def test_no_poses_make_an_empty_table() -> None:
     found = pose_connections(FIRST, 27, 200, 2)
     assert (found.matrix, found.groups, found.to_json()["matrix"]) == ((), (), [])
@@ -215,7 +181,7 @@ def test_100_random_tables_agree_with_paths() -> None:
     assert found["undecided"] <= 0.05 * found.total(), found
 
 
-@pytest.mark.parametrize("option", ["samples", "timing", "duration", "motion", "sampling"])
+@pytest.mark.parametrize("option", ["samples", "motion"])
 def test_options_of_one_path_are_refused(option: str) -> None:
     with pytest.raises(InputError, match=f"{option}: is an option of one path; leave it out"):
         pose_connections(FIRST, 27, 20, 20, **{option: 2})  # type: ignore[arg-type]

@@ -36,6 +36,7 @@ def test_the_same_bytes_for_every_asker(figure: Any) -> None:
         assert figure.encoded(form) == figure.encoded(form)
 
 
+@pytest.mark.long
 def test_twenty_slices_at_once() -> None:
     figures = [singular_curves(FLAT, length).figure() for length in range(1, 21)]
     with ThreadPoolExecutor(20) as askers:

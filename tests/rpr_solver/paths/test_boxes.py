@@ -6,11 +6,11 @@ from math import pi
 from random import Random
 
 import pytest
-from flint import arb, ctx
+from flint import ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, Verdict, whole
+from rpr_solver.paths.boxes import BITS, Box, Boxes, Verdict
 from rpr_solver.paths.proofs import PathLimits
 from tests.support.motions import Mover
 
@@ -54,35 +54,3 @@ def test_what_is_proved_about_a_box_holds_at_its_poses(low: int, high: int, sign
             allowed = 1 <= l1 <= 25 and l3 <= 25 and mover.determinant(alpha, theta, length) * sign > 0
             assert verdict is Verdict.UNDECIDED or allowed == (verdict is Verdict.IN)
     assert min(seen.values()) > 0
-
-
-@pytest.mark.parametrize(("low", "high"), [(6, 6), (6, 8), (1, 30)])
-def test_parts_fill_their_box_and_share_faces(low: int, high: int) -> None:
-    random, boxes = Random(3), boxes_of(low, high, 1)
-    for _ in range(20):
-        box = a_box(boxes, random)
-        parts = boxes.parts(box)
-        assert {whole(boxes, part) for part in parts} == {box}
-        assert sum(volume(boxes, part) for part in parts) == volume(boxes, box)
-        for axis in boxes.axes:
-            other = boxes.neighbour(box, axis, 1)
-            assert other is None or boxes.neighbour(other, axis, -1) == box
-    assert len(boxes.first()) == 64 * boxes.lengths(FIRST_LEVEL)
-
-
-def volume(boxes: Boxes, box: Box) -> Fraction:
-    alpha, theta, length = boxes.sizes(box)
-    return alpha * theta * (length or 1)
-
-
-def test_a_box_is_found_that_holds_a_place() -> None:
-    boxes = boxes_of(6, 8, 1)
-    scale = boxes.slice_map.scale
-    for length in (6, 7, 8):
-        box = boxes.holding((arb(1.25), arb(-4.5), length * scale), 7)
-        assert box is not None
-        middle, sizes = boxes.middle(box), boxes.sizes(box)
-        for at, x, size in zip((1.25 / (2 * pi), -4.5 / (2 * pi)), middle, sizes, strict=False):
-            assert abs((at - float(x) + 0.5) % 1 - 0.5) <= float(size) / 2
-        assert abs(length * scale - middle[2]) <= sizes[2] / 2
-    assert boxes.holding((arb(1.25, 0.2), arb(0), 7 * scale), 7) is None

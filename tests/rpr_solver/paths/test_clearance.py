@@ -27,7 +27,7 @@ from rpr_solver import (
 )
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.proofs import Clearance, turning_radius
+from rpr_solver.paths.proofs import Clearance
 from rpr_solver.paths.question import PathTerms
 from tests.rpr_solver.paths.test_random_pairs import a_manipulator
 from tests.support.motions import Mover, angles_of, arrives
@@ -115,12 +115,6 @@ def test_what_lies_between_both_bounds_is_undecided() -> None:
     assert none.obstacle is Obstacle.UNDECIDED
 
 
-def test_a_document_without_the_question_has_no_clearance() -> None:
-    path, clearance = widest(27, 20, 20, 1, 2)
-    assert path.to_json()["clearance"] == clearance.to_json()
-    assert "clearance" not in joint_path(FIRST, 27, 20, 20, 1, 2).to_json()
-
-
 def test_a_small_change_of_legs_meets_no_fold() -> None:
     """Legs that change by less than the bound carry the pose without a change of the sign of J."""
     path, clearance = widest(27, 20, 20, 1, 2)
@@ -150,13 +144,6 @@ def test_the_path_turns_no_sharper_than_it_says() -> None:
             assert radius * 180 / pi >= float(clearance.radius) * (1 - 1e-9)
 
 
-def test_a_corner_has_no_radius() -> None:
-    plain = joint_path(FIRST, *NARROW, samples=2)
-    assert isinstance(plain, Path)
-    assert len(plain.route.arcs) > 1
-    assert turning_radius(plain.route) is None
-
-
 def test_the_widest_path_keeps_limits() -> None:
     limits = {"l2": (5, 22)}
     path, clearance = widest(27, 20, 20, 3, 4, limits=limits)
@@ -181,12 +168,6 @@ def test_a_free_leg_makes_the_way_wider() -> None:
     assert arrives(path, 400) < 1e-6
     assert clearance.bound is not None
     assert clearance.proved <= clearance.bound
-
-
-def test_no_path_in_a_range_is_as_wide_as_is_asked_for() -> None:
-    none = joint_path(FIRST, *NARROW, between=(27, 30), clearance=21)
-    assert isinstance(none, NoPath)
-    assert (none.obstacle, none.between) == (Obstacle.TOO_NARROW, (27, 30))
 
 
 @pytest.mark.long

@@ -8,13 +8,11 @@ from __future__ import annotations
 import cmath
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from functools import cache
 from itertools import pairwise
-from math import pi, radians
+from math import pi
 from random import Random
 
 import pytest
-from flint import arb, ctx
 
 from rpr_solver import (
     EXAMPLES,
@@ -23,15 +21,10 @@ from rpr_solver import (
     NoPath,
     Path,
     SolverError,
-    cusp_loop,
     joint_path,
     poses,
 )
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.joint_paths import Corner, Straightener, sign_at
-from rpr_solver.paths.proofs import PathLimits
-from rpr_solver.paths.routes import IsolatedPose, local_map
 from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400
@@ -154,59 +147,3 @@ def test_ranges_agree_with_a_dense_grid() -> None:
         assert joined_on_a_grid(found, [27.0, float(other)]) == isinstance(found, Path)
         outcomes.add(isinstance(found, Path))
     assert outcomes == {True, False}
-
-
-def test_the_sign_is_that_of_j() -> None:
-    manipulator = Manipulator(6, 3, 7, 8, 5, 5)
-    slice_map = SliceMap.of(manipulator)
-    with ctx.workprec(100):
-        for alpha, theta in ((0.4, 1.1), (2.0, -1.0), (-2.5, 0.3)):
-            angles = arb(alpha), arb(theta)
-            length = 5 * slice_map.scale
-            value = local_map(slice_map, arb(length.numerator) / length.denominator, angles, 1).singularity()
-            assert sign_at(slice_map, length, angles) == (1 if value.value > 0 else -1)
-
-
-@cache
-def the_loop() -> Path:
-    return cusp_loop(EXAMPLES["innocenti"], 27, "C", samples=2)
-
-
-def ends_of_the_loop() -> tuple[IsolatedPose, IsolatedPose]:
-    return the_loop().route.start, the_loop().route.stop
-
-
-def corners() -> list[Corner]:
-    """From the start over places beside the middle to the stop."""
-    [(_, middle, _)] = the_loop().route.arcs
-    assert middle is not None
-    inner = radians(middle.alpha_deg), radians(middle.theta_deg)
-    ends = [(float(pose.angles[0]), float(pose.angles[1])) for pose in ends_of_the_loop()]
-    beside = [((x + inner[0]) / 2, (y + inner[1]) / 2) for x, y in ends]
-    return [(x, y, Fraction(27)) for x, y in (ends[0], *beside, ends[1])]
-
-
-def test_a_route_is_proved_along_a_polyline() -> None:
-    found = Straightener(the_loop().route.slice_map, the_loop().sign).route(*ends_of_the_loop(), corners())
-    assert found is not None
-    route, proof = found
-    assert proof.sign == the_loop().sign
-    assert len(route.arcs) <= 3
-    assert (route.start, route.stop) == ends_of_the_loop()
-
-
-def test_no_route_has_the_other_sign() -> None:
-    assert (
-        Straightener(the_loop().route.slice_map, -the_loop().sign).route(*ends_of_the_loop(), corners())
-        is None
-    )
-
-
-def test_a_route_beyond_a_limit_is_refused() -> None:
-    legs = the_loop().route.start.legs
-    for bounds, is_free in (({2: (None, Fraction(1))}, False), ({2: (Fraction(1), None)}, True)):
-        limits = PathLimits.of(the_loop().route.slice_map, bounds, (legs, legs))
-        found = Straightener(the_loop().route.slice_map, the_loop().sign, limits).route(
-            *ends_of_the_loop(), corners()
-        )
-        assert (found is not None) is is_free

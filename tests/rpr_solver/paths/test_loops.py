@@ -20,7 +20,6 @@ from rpr_solver import (
     InputError,
     Manipulator,
     Path,
-    PoseKind,
     SliceTable,
     SolverError,
     cusp_loop,
@@ -31,7 +30,6 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.paths.loops import CUSP_DIGITS, CuspFrame, loop_in_slice
 from rpr_solver.paths.question import PathTerms
 from rpr_solver.paths.routes import Angles, local_map
-from tests.support.families import family
 from tests.support.motions import Mover, angles_of, apart, arrives, turns
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
@@ -81,14 +79,6 @@ def test_loop_goes_round_one_cusp_to_another_pose(cusp: int) -> None:
     check(loop, table)
 
 
-@pytest.mark.parametrize(("name", "length", "count"), SLICES[:1])
-def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
-    eliminant, table = slice_of(EXAMPLES[name], length)
-    terms = PathTerms.of(samples=2, timing="constant")
-    loops = [loop_in_slice(eliminant, table, k, terms) for k in range(1, count + 1)]
-    assert [loop.winding for loop in loops] == [1] * table.count
-
-
 @pytest.mark.parametrize("cusp", [1, pytest.param(5, marks=pytest.mark.long)])
 def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
     """The cusps of congruent triangles share their leg lengths in pairs."""
@@ -99,12 +89,6 @@ def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
     assert (loop.to_json()["winding"], loop.to_json()["twins"]) == (1, [twin])
     assert (loop.reversed().winding, loop.reversed().twins) == (-1, (twin,))
     check(loop, table)
-
-
-def test_a_cusp_without_a_twin_has_none() -> None:
-    loop = loop_in_slice(*slice_of(FIRST, "27"), 2, TERMS)
-    assert loop.twins == ()
-    assert "twins" not in loop.to_json()
 
 
 @pytest.mark.long
@@ -210,12 +194,6 @@ def test_each_argument_at_fault_is_named(arguments: dict[str, object], field: st
 def test_a_slice_without_cusps_has_no_loop() -> None:
     with pytest.raises(InputError, match="no cusps"):
         cusp_loop(EXAMPLES["zein-flat"], "0.1", 1)
-
-
-def test_a_degenerate_point_does_not_count_as_a_cusp() -> None:
-    table = slice_of(family("similar"), "10")[1]
-    assert table.count == 0
-    assert {point["kind"] for point in table.degenerate_points} <= {str(kind) for kind in PoseKind}
 
 
 def gap(image: Callable[[Angles], Angles], frame: CuspFrame, s: float) -> float:

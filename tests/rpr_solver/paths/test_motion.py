@@ -13,10 +13,6 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Path, SolverError, cusp_loop, joint_path
 from rpr_solver.model.lengths import MotionLimits
-from rpr_solver.paths import motion as motions
-from rpr_solver.paths.motion import Law
-from rpr_solver.paths.rates import rates_of
-from rpr_solver.paths.routes import DecimalPose, Route
 from tests.rpr_solver.paths.test_joint_paths import a_pair
 
 FIRST = EXAMPLES["innocenti"]
@@ -131,49 +127,6 @@ def test_legs_pass_smooth_joints_of_arcs_without_a_rest() -> None:
     assert max(used(path, MotionLimits.of(USUAL))) <= 1 + 1e-6
     [run] = path.to_json()["certificate"]["motion"]
     assert run["shares"] == ["0.5", "0.5"]
-
-
-def test_shares_of_arcs_follow_from_their_tangents() -> None:
-    """Derivatives at a joint are 2 (3, 6, 0) and (2, 4, 0); at a corner they have no common direction."""
-    first, middle, joint, last = (
-        DecimalPose(Fraction(x), Fraction(y), Fraction(9)) for x, y in ((0, 0), (1, 2), (4, 8), (6, 12))
-    )
-    pose = joined().route.start
-    smooth = Route(pose, pose, ((first, middle, joint), (joint, last), (last, middle)))
-    assert list(motions.runs_of(smooth, is_smooth=False)) == [[Fraction(3, 4), Fraction(1, 4)], [1]]
-    assert list(motions.runs_of(smooth, is_smooth=True)) == [[1], [1], [1]]
-
-
-def test_a_reversed_path_moves_within_the_same_limits() -> None:
-    path = the_loop().resampled(201, motion=USUAL).reversed()
-    assert max(used(path, MotionLimits.of(USUAL))) <= 1 + 1e-6
-
-
-def test_rates_bound_what_samples_do() -> None:
-    [rates] = rates_of(the_loop().route)
-    rows = the_loop().resampled(301, timing="constant").samples
-    for before, after in pairwise(rows):
-        bounds = rates.between(before.place, after.place)
-        for leg in range(3):
-            way = abs(Fraction(after.lengths[leg]) - Fraction(before.lengths[leg]))
-            assert way <= bounds[leg][0] * (after.place - before.place) + Fraction(1, 10**12)
-    whole = [max(piece[k][0] for piece in rates.pieces) for k in range(3)]
-    assert [bound[0] for bound in rates.all] == whole
-    assert whole[0] == 0
-
-
-@pytest.mark.parametrize("window", [1, 3])
-def test_a_law_is_smooth_and_covers_its_arc(window: int) -> None:
-    law = Law((0, 3, 5, 5, 1, 0), window)
-    assert [law.nodes[0][0], law.nodes[-1][0], law.at(Fraction(0))] == [0, 1, 0]
-    assert law.at(Fraction(len(law.nodes) - 1)) == 1
-    for (s, u, a, j), (end, u_end, a_end, _) in pairwise(law.nodes):
-        assert s + u + a / 2 + j / 6 == end
-        assert u + a + j / 2 == u_end
-        assert window == 1 or a + j == a_end
-    tiny = Fraction(1, 10**6)
-    for k in range(1, len(law.nodes) - 1):
-        assert abs(law.at(k - tiny) + law.at(k + tiny) - 2 * law.at(Fraction(k))) < 10 * tiny**2
 
 
 BAD: Sequence[tuple[Any, str]] = [

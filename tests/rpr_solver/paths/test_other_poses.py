@@ -6,12 +6,10 @@ The numbers of poses in the table of their joint vector.
 from __future__ import annotations
 
 from collections import Counter
-from functools import cache
 
 import pytest
 
-from rpr_solver import EXAMPLES, Path, PoseTable, Unproved, cusp_loop, poses
-from rpr_solver.paths.path_poses import numbered, of_table
+from rpr_solver import EXAMPLES, Path, cusp_loop, poses
 from tests.support.motions import Mover, angles_of
 
 
@@ -46,12 +44,6 @@ def test_near_a_cusp_two_poses_meet_and_others_live() -> None:
     assert ends == {"fold": 2, "lives": 1, "pairs": 1}
 
 
-def test_they_are_followed_only_if_asked_for() -> None:
-    loop = cusp_loop(EXAMPLES["innocenti"], 27, "E", samples=2)
-    assert loop.others is None
-    assert loop.to_json()["others"] is None
-
-
 @pytest.mark.long
 @pytest.mark.parametrize(("name", "length", "count"), [("innocenti", 27, 8), ("fourteen-cusps", "5.96", 14)])
 def test_nearly_all_are_decided(name: str, length: int | str, count: int) -> None:
@@ -60,28 +52,3 @@ def test_nearly_all_are_decided(name: str, length: int | str, count: int) -> Non
         ends += check(cusp_loop(EXAMPLES[name], length, cusp, samples=2))
     assert ends["fold"] > count
     assert ends["undecided"] < count
-
-
-@cache
-def the_loop() -> Path:
-    return cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
-
-
-@cache
-def the_table() -> PoseTable:
-    return poses(EXAMPLES["innocenti"], *the_loop().lengths, digits=15)
-
-
-def test_a_pose_has_the_number_of_its_line() -> None:
-    for isolated, end in (
-        (the_loop().route.start, the_loop().start),
-        (the_loop().route.stop, the_loop().stop),
-    ):
-        assert numbered(isolated, the_table(), 1) == of_table(the_table(), end.number, 1) == end
-        assert the_table().poses[end.number - 1].theta1_deg == end.theta_deg
-
-
-def test_a_pose_of_other_legs_has_none() -> None:
-    other = poses(EXAMPLES["innocenti"], 27, 30, 20, digits=15)
-    with pytest.raises(Unproved):
-        numbered(the_loop().route.start, other, 1)

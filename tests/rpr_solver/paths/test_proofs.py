@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.proofs import NO_LIMITS, PathLimits, outside, prove
+from rpr_solver.paths.proofs import PathLimits, prove
 from rpr_solver.paths.routes import Arc, Image, Point, expanded
 from tests.support.motions import Mover
 
@@ -82,28 +82,8 @@ def test_a_path_through_the_centre_is_refused() -> None:
     assert prove(SLICE, through(RING), sign_at(0.65, 0.75), [image(0.65, 0.6)]) is None
 
 
-def test_too_many_pieces_are_refused() -> None:
-    assert prove(SLICE, through(RING), sign_at(0.65, 0.75), most_pieces=3) is None
-
-
-LEVEL = arb(0), arb(0)
-
-
 def half_squares(*lengths: int) -> list[arb]:
     return [(length * SLICE.scale_ball()) ** 2 / 2 for length in lengths]
-
-
-def test_a_piece_keeps_the_limits_exceeds_them_or_neither() -> None:
-    limits = PathLimits.of(SLICE, {2: (Fraction(5), Fraction(20)), 3: (None, Fraction(10))})
-    assert limits.hold(half_squares(7, 9), LEVEL)
-    for beyond in ((4, 9), (21, 9), (7, 11)):
-        assert limits.exclude(half_squares(*beyond))
-        assert not limits.hold(half_squares(*beyond), LEVEL)
-    first, second = half_squares(7, 9)
-    across = [first.union(half_squares(3, 3)[0]), second]
-    assert not limits.hold(across, LEVEL)
-    assert not limits.exclude(across)
-    assert NO_LIMITS.hold(across, LEVEL)
 
 
 def test_from_a_limit_the_way_leads_inwards() -> None:
@@ -119,9 +99,3 @@ def test_from_a_limit_the_way_leads_inwards() -> None:
     assert not limits.hold(near, falling)
     untouched = PathLimits.of(SLICE, {2: (None, Fraction(20))})
     assert not untouched.hold(near, falling, at_start=True)
-
-
-def test_limits_are_closed() -> None:
-    bounds = {1: (Fraction(27), None), 3: (Fraction(5), Fraction(9))}
-    assert outside(bounds, (Fraction(27), Fraction(1), Fraction(9))) == []
-    assert outside(bounds, (Fraction(26), Fraction(1), Fraction(10))) == [1, 3]

@@ -12,7 +12,7 @@ from math import cos, degrees, pi, sin
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, Path, cusp_loop, cusp_table
-from tests.support.motions import Mover, angles_of, legs_of
+from tests.support.motions import Mover, angles_of
 
 pytestmark = pytest.mark.quick
 
@@ -31,20 +31,6 @@ def test_more_digits_agree_with_fewer() -> None:
             if name not in ("time", "clearance_deg"):
                 accuracy = abs(Fraction(text)) / 10**19
                 assert abs(Fraction(text) - Fraction(long.to_json(1)[name])) <= accuracy
-
-
-def test_the_ends_are_the_poses_and_their_joint_vector() -> None:
-    for sample, pose in (
-        (the_loop().samples[0], the_loop().start),
-        (the_loop().samples[-1], the_loop().stop),
-    ):
-        assert (sample.alpha_deg, sample.theta_deg) == (pose.alpha_deg, pose.theta_deg)
-        assert tuple(map(Fraction, sample.lengths)) == the_loop().lengths
-
-
-def test_samples_are_poses_of_their_legs() -> None:
-    for sample in the_loop().samples:
-        assert Mover.of(FIRST).legs(*angles_of(sample), 28.1) == pytest.approx(legs_of(sample))
 
 
 @pytest.mark.parametrize("timing", ["cosine", "trapezoid", "constant"])

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Path, cusp_loop, path_csv
+from rpr_solver import InputError, Path
 from rpr_solver.paths import sampling as sampling_plans
 from rpr_solver.paths.motion import Motion
 from rpr_solver.paths.timing import TimedCourse
@@ -114,30 +114,6 @@ def test_steps_of_time(motion: dict[str, int] | None) -> None:
     assert 0 < times[-1] - times[-2] <= Fraction(3, 10)
     assert times[-1] == path.duration
     assert path.to_json()["sampling"] == {"step": "0.3"}
-
-
-def test_a_step_that_divides_the_time_gives_even_rows() -> None:
-    path = the_loop().resampled(sampling={"step": "0.25"})
-    assert [sample.time for sample in path.samples] == [Fraction(k, 4) for k in range(5)]
-
-
-def test_samples_by_number_are_as_before() -> None:
-    """No member of an old document changes."""
-    path = the_loop().resampled(sampling={"number": 5})
-    assert path.to_json() == the_loop().resampled(5).to_json()
-    assert not {"motion", "sampling", "deviation"} & path.to_json().keys()
-
-
-def test_options_reach_the_document_and_its_table() -> None:
-    path = cusp_loop(EXAMPLES["innocenti"], 27, "B", motion=USUAL, sampling={"chord": "0.1"})
-    document = path.to_json()
-    assert document["motion"]["speed"] == {"l1": "10", "l2": "10", "l3": "10"}
-    assert document["motion"]["stops"] == []
-    assert document["deviation"]["l1"] == "0"
-    lines = path_csv(document).splitlines()
-    assert len(lines) == 1 + len(path.samples)
-    assert lines[-1].startswith(document["duration"])
-    assert cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=3).plan.count == 3
 
 
 @pytest.mark.parametrize("motion", [None, USUAL])

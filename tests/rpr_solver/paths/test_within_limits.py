@@ -6,13 +6,10 @@ The search among boxes: a way stays in allowed boxes, and its corners are near e
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import cache
-from itertools import pairwise
-from math import pi, radians
+from math import radians
 from random import Random
 
 import pytest
-from flint import ctx
 
 from rpr_solver import (
     EXAMPLES,
@@ -21,21 +18,12 @@ from rpr_solver import (
     NoPath,
     Obstacle,
     Path,
-    PoseTable,
-    Unproved,
     cusp_loop,
     joint_path,
     pose_connections,
-    poses,
 )
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import search
-from rpr_solver.paths.boxes import Boxes, PosePoint
-from rpr_solver.paths.path_poses import isolated
-from rpr_solver.paths.pose_grid import PoseGrid
-from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
-from rpr_solver.paths.search import Search
 from service.schemas.motions import Path as PathDocument
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
@@ -165,54 +153,6 @@ def test_limits_that_exclude_the_cusp_are_refused(limits: object, message: str) 
         cusp_loop(FIRST, 27, "B", limits=limits)  # type: ignore[arg-type]
 
 
-SLICE = SliceMap.of(FIRST)
-
-
-@cache
-def the_table() -> PoseTable:
-    return poses(FIRST, 27, 20, 20, digits=20)
-
-
-LEGS = (27 * SLICE.scale, 20 * SLICE.scale, 20 * SLICE.scale)
-
-
-def place(number: int) -> PosePoint:
-    with ctx.workprec(PROOF_BITS):
-        pose = isolated(SLICE, LEGS, the_table(), number)
-    return *pose.angles, pose.legs[0]
-
-
-def boxes_of(maximum: int, low: int = 27, high: int = 27) -> Boxes:
-    limits = PathLimits.of(SLICE, {2: (None, Fraction(maximum))})
-    return Boxes(SLICE, -1, limits, low * SLICE.scale, high * SLICE.scale)
-
-
-@pytest.mark.parametrize(("low", "high"), [(27, 27), (24, 29)])
-def test_a_way_keeps_what_is_asked_between_its_corners_too(low: int, high: int) -> None:
-    outcome = Search(boxes_of(30, low, high)).outcome(place(1), place(2))
-    assert outcome.way is not None
-    mover, scale = Mover.of(FIRST), float(SLICE.scale)
-    for first, last in pairwise(outcome.way):
-        for share in (0.0, 0.3, 0.7, 1.0):
-            alpha, theta, length = (float(x) + share * float(y - x) for x, y in zip(first, last, strict=True))
-            assert abs(float(last[0] - first[0])) < pi / 4 + 1e-9
-            assert low <= length / scale <= high
-            assert mover.legs(alpha, theta, length / scale)[1] < 30
-            assert mover.determinant(alpha, theta, length / scale) < 0
-
-
-def test_no_way_is_left_where_limits_cut_the_aspect() -> None:
-    outcome = Search(boxes_of(21)).outcome(place(1), place(2))
-    assert (outcome.way, outcome.is_separated) == (None, True)
-
-
-def test_a_way_that_is_too_narrow_is_left_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
-    limits = PathLimits.of(SLICE, {2: (None, Fraction("26.3438"))})
-    outcome = Search(Boxes(SLICE, -1, limits, 27 * SLICE.scale, 27 * SLICE.scale)).outcome(place(1), place(2))
-    assert (outcome.way, outcome.is_separated, outcome.level) == (None, False, 7)
-
-
 def test_an_answer_that_stays_undecided_says_near_which_pose(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "_LEVELS", {2: (6, 7)})
     found = joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (None, "26.3438")})
@@ -229,14 +169,6 @@ def test_an_answer_that_stays_undecided_says_near_which_pose(monkeypatch: pytest
     monkeypatch.undo()
     decided = joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (None, 21)}).to_json()
     assert (decided["obstacle"], "near_pose" in decided) == ("separated-by-limits", False)
-
-
-def test_a_pose_that_is_not_allowed_is_refused() -> None:
-    search = Search(boxes_of(19))
-    with pytest.raises(Unproved, match="too near to a singularity or to a limit"):
-        search.outcome(place(1), place(2))
-    first = place(1)
-    assert search.stuck(first, place(2)) == (float(first[0]), float(first[1]), first[2])
 
 
 HOME = Manipulator("16.1", "6.8", "12.5", "19.5", "15.1", "18.4", "cw"), ("22.2", "30.2", "24.88"), 3, 2
@@ -296,45 +228,6 @@ def test_looser_limits_keep_a_path_in_200_questions() -> None:
     steps = [loosened(random) for _ in range(200)]
     assert [answers for answers in steps if not never_loses(answers)] == []
     assert sum("path" in answers for answers in steps) > 60
-
-
-def test_a_wide_path_with_the_fixed_leg_free_is_found() -> None:
-    limits: Limits = {
-        2: (Fraction("14.5"), Fraction("31.3")),
-        3: (Fraction("11.5"), Fraction("31.3")),
-    }
-    found = joint_path(FIRST, 24, "18.4", "14.7", 3, 1, between=(20, 28), limits=limits, samples=2)
-    assert isinstance(found, Path)
-    assert keeps(found, limits)
-    assert arrives(found, 600) < 1e-6
-
-
-def way_on_a_grid(most: int, low: int, high: int) -> list[list[float]]:
-    """Spots from pose 1 to pose 2 where the second leg is at most so long; none if there is no way."""
-    limits, span = PathLimits.of(SLICE, {2: (None, Fraction(most))}), (low * SLICE.scale, high * SLICE.scale)
-    with ctx.workprec(PROOF_BITS):
-        ends = [isolated(SLICE, LEGS, the_table(), number) for number in (1, 2)]
-    grid = PoseGrid.of(ends, (Fraction(span[0]), Fraction(span[1])), -1, limits)
-    factor = float(grid.field.unit) / float(SLICE.scale)
-    return [
-        [radians(a), radians(t), x * factor]
-        for part in grid.way(ends, is_wide=False) or ()
-        for a, t, x in part.tolist()
-    ]
-
-
-@pytest.mark.parametrize(("low", "high"), [(27, 27), (24, 29)])
-def test_a_way_on_a_grid_has_room_at_all_spots(low: int, high: int) -> None:
-    mover, way = Mover.of(FIRST), way_on_a_grid(30, low, high)
-    assert len(way) > 10
-    for alpha, theta, length in way:
-        assert low - 1e-9 <= length <= high + 1e-9
-        assert mover.legs(alpha, theta, length)[1] < 30
-        assert mover.determinant(alpha, theta, length) < 0
-
-
-def test_a_grid_has_no_way_where_limits_cut_the_aspect() -> None:
-    assert not way_on_a_grid(21, 27, 27)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import pairwise
 from math import cos, pi, sin
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,10 +20,6 @@ def circle(x: float, y: float, r: float, *, turns: int = 1, name: object = None)
 
 def windings(*lines: Polyline) -> list[int]:
     return sorted(face.winding for face in faces(lines))
-
-
-def test_no_curve_leaves_the_plane() -> None:
-    assert windings() == [0]
 
 
 def test_circles_apart_nested_and_crossing() -> None:
@@ -94,8 +89,3 @@ def _winding(p: Point, points: list[Point]) -> int:
 
 def _area(ring: tuple[Point, ...]) -> float:
     return sum(a[0] * b[1] - a[1] * b[0] for a, b in pairwise(ring)) / 2
-
-
-def test_a_polyline_is_closed_by_its_names() -> None:
-    with pytest.raises(Exception, match="do not close"):
-        faces([circle(0, 0, 1), Polyline(((0, 0), (3, 0.1)), "a", "b")])

@@ -6,7 +6,7 @@ Aspects of ranges of lengths: generic manipulators have two, islands join, famil
 from __future__ import annotations
 
 from fractions import Fraction
-from math import pi, radians
+from math import radians
 from random import Random
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rpr_solver import EXAMPLES, InputError, Manipulator, RangeAspect, SolverError, aspects
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.aspects import Overlap, RangeTopology, aspect_cells, number_of_aspects
+from rpr_solver.singular.aspects import aspect_cells, number_of_aspects
 from rpr_solver.singular.simple_lines import simple_chart
 from rpr_solver.singular.sweep import sweep
 from tests.rpr_solver.singular.test_raster import Raster
@@ -205,19 +205,6 @@ def components(mask: Mask) -> list[set[tuple[int, int]]]:
     return found
 
 
-def test_an_overlap_is_a_place_where_j_has_one_sign_at_both_ends() -> None:
-    first = EXAMPLES["innocenti"]
-    slice_map = SliceMap.of(first)
-    topology = RangeTopology.of(slice_map, 27 * slice_map.scale, 30 * slice_map.scale, transposable=False)
-    ends = [Raster(first, 1, Fraction(length), 4) for length in (27, 30)]
-    assert len(topology.overlaps) > 10
-    for overlap in topology.overlaps:
-        alpha, theta = overlap.place(topology.first.chart)
-        cells = zip(topology.ends, overlap.cells, strict=True)
-        [sign] = {end.slabs[slab].signs[gap] for end, (slab, gap) in cells}
-        assert all(end.at(alpha, theta) * sign > 0 for end in ends)
-
-
 def test_a_limit_with_whole_lines_both_ways_is_refused_by_name() -> None:
     with pytest.raises(SolverError, match="ends of the range cannot be compared"):
         aspects(family("both flat"))
@@ -228,11 +215,3 @@ def test_the_range_must_ascend() -> None:
         aspects(EXAMPLES["innocenti"], 3, "3.0", fixed_leg=2)
     with pytest.raises(InputError, match="start: is -1; a length is at least 0"):
         aspects(EXAMPLES["innocenti"], -1, 3)
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_half_tangent_beyond_all_floats_is_half_a_turn(sign: int) -> None:
-    chart = sweep(SliceMap.of(EXAMPLES["innocenti"]), Fraction(27)).chart
-    far = Fraction(sign * 10**400)
-    ends = Overlap(((0, 0), (0, 0)), far, far).place(chart)
-    assert ends == (sign * pi + chart.alpha.angle, sign * pi + chart.theta.angle)

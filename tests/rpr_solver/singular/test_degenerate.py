@@ -48,7 +48,6 @@ def numbers(curves: SingularCurves) -> tuple[list[int], list[int]]:
         ],
         0,
         4,
-        6,
         9,
     ),
 )

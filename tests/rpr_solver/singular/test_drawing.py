@@ -14,9 +14,7 @@ import pytest
 from rpr_solver import Manipulator, singular_curves
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.aspects import UnionFind
-from rpr_solver.singular.drawing import components
-from tests.support.singular import SLICES, manipulator, swept, traced
+from tests.support.singular import SLICES, manipulator, traced
 
 
 @pytest.mark.parametrize(("name", "leg", "length"), SLICES)
@@ -49,27 +47,6 @@ def _slope(floats: FloatSlice, alpha: float, theta: float, dx: float, dy: float)
         for s in (1, -1)
     ]
     return (values[0] - values[1]) / (2 * h)
-
-
-@pytest.mark.parametrize(("name", "leg", "length"), SLICES)
-def test_every_arc_is_in_one_strand(name: str, leg: int, length: str) -> None:
-    found = swept(name, leg, length)
-    chains = [chain for part in components(found) for chain in part]
-    steps = [(step.slab, step.arc) for chain in chains for step in chain.steps]
-    assert sorted(steps) == [(k, arc) for k, slab in enumerate(found.slabs) for arc in range(len(slab.arcs))]
-    for chain in chains:
-        ends = [found.lines[line].meetings[cell] for line, cell in (chain.cells[0], chain.cells[-1])]
-        if chain.closed:
-            assert chain.cells[0] == chain.cells[-1]
-        else:
-            assert all(len(end.left) + len(end.right) != 2 for end in ends)
-
-
-def test_classes_keep_the_order_of_things() -> None:
-    joined = UnionFind("abcde")
-    joined.join("d", "a")
-    joined.join("e", "d")
-    assert joined.classes() == [["a", "d", "e"], ["b"], ["c"]]
 
 
 def test_special_points_that_are_alike_in_floats_have_a_sample_each() -> None:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, JointPoint, Manipulator, cusp_table, singular_curves, trace_slice
+from rpr_solver import EXAMPLES, InputError, Manipulator, cusp_table, singular_curves, trace_slice
 from tests.support.reference import CASES
 from tests.support.shared import eliminant_of
 from tests.support.singular import traced
@@ -24,19 +22,6 @@ from tests.support.singular import traced
 def test_components_and_their_turns(name: str, leg: int, length: str, turns: list[tuple[int, int]]) -> None:
     curves = traced(name, leg, length)
     assert sorted(s.turns for part in curves.components for s in part.strands) == sorted(turns)
-
-
-def test_the_document_is_json_with_the_names_of_the_leg() -> None:
-    document = json.loads(json.dumps(traced("innocenti", 3, "28.1").to_json()))
-    members = ["l3", "tolerance", "components", "regions", "thin_regions", "aspects"]
-    assert list(document)[-6:] == members
-    assert document["regions"][0]["rings"][0].keys() == {"l1", "l2"}
-    assert document["aspects"][0]["polygons"][0].keys() == {"alpha_deg", "theta3_deg"}
-    [strand, *_] = document["components"][0]["strands"]
-    assert {"closed", "turns", "alpha_deg", "theta3_deg", "l1", "l2", "vertices"} == strand.keys()
-    vertex = strand["vertices"][0]
-    point = JointPoint.from_json(vertex, 3)
-    assert strand["l2"][vertex["index"]] == pytest.approx(float(point.l2), abs=1e-4)
 
 
 @pytest.mark.parametrize(

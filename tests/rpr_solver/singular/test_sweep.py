@@ -26,28 +26,6 @@ EACH = pytest.mark.parametrize(("name", "leg", "length"), SLICES)
 
 
 @EACH
-def test_every_arc_begins_and_ends_once(name: str, leg: int, length: str) -> None:
-    found = swept(name, leg, length)
-    for number, line in enumerate(found.lines):
-        before, after = found.slabs[number - 1], found.slabs[number]
-        assert sorted(arc for m in line.meetings for arc in m.left) == list(range(len(before.arcs)))
-        assert sorted(arc for m in line.meetings for arc in m.right) == list(range(len(after.arcs)))
-        low, high = map(ball_of, line.around)
-        assert low < line.root.refined(64) < high
-
-
-@EACH
-def test_signs_alternate_and_continue_through_lines(name: str, leg: int, length: str) -> None:
-    found = swept(name, leg, length)
-    for number, line in enumerate(found.lines):
-        before, after = found.slabs[number - 1], found.slabs[number]
-        assert all(before.signs[left] == after.signs[right] for left, right in line.links)
-    for slab in found.slabs:
-        assert len(slab.arcs) in (0, 2, 4)
-        assert all(a == -b for a, b in zip(slab.signs, slab.signs[1:], strict=False))
-
-
-@EACH
 def test_counts_agree_with_sign_changes_of_j(name: str, leg: int, length: str) -> None:
     found = swept(name, leg, length)
     chart = found.chart

@@ -11,25 +11,10 @@ import pytest
 from rpr_solver import Manipulator, SingularCurves, SolverError, singular_curves, trace_slice
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.singular import tracing
-from rpr_solver.singular.tracing import ArcPoints, Tracer, arcs_at, arcs_beside
+from rpr_solver.singular.tracing import ArcPoints, arcs_at, arcs_beside
 from tests.support.sampling import long
 from tests.support.shared import eliminant_of
 from tests.support.singular import SLICES, manipulator, swept
-
-
-@pytest.mark.parametrize(("name", "leg", "length"), SLICES)
-def test_samples_are_zeros_of_j_between_their_neighbours(name: str, leg: int, length: str) -> None:
-    found = swept(name, leg, length)
-    tracer = Tracer(found, 1e-3)
-    for slab, part in enumerate(found.slabs):
-        courses = [tracer.course(slab, arc).samples for arc in range(len(part.arcs))]
-        for samples in courses:
-            assert all(a.theta <= b.theta for a, b in pairwise(samples))
-            for x in samples:
-                value, slope = tracer.points.floats.on_line(x.theta).value_and_slope(x.alpha)
-                assert abs(value) < 1e-9 * (1 + abs(slope))
-        for low, high in pairwise(courses):
-            assert low[len(low) // 2].alpha < high[len(high) // 2].alpha
 
 
 @pytest.mark.parametrize(("name", "leg", "length"), SLICES[1:5:3])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
 from dataclasses import replace
 from decimal import ROUND_HALF_EVEN, Context, Decimal
@@ -14,17 +12,14 @@ import pytest
 
 from rpr_solver import (
     EXAMPLES,
-    InputError,
     Manipulator,
     SliceTable,
     Unproved,
     cusp_table,
     eliminate,
     parse_exact,
-    slice_error_json,
     slice_json,
     solve_slice,
-    table_csv,
     table_document,
     table_json,
 )
@@ -91,11 +86,6 @@ def test_congruent_triangles_share_a_whole_curve() -> None:
     assert table.degenerate_points[0] == {"kind": "curve", "equation": "alpha = 0 deg"}
 
 
-def test_congruent_isosceles_triangles() -> None:
-    table = solve_slice(eliminate(manipulator(6, 3, 4, 6, 5, 5, "ccw")), Fraction(7, 2))
-    assert table.degenerate_points[0] == {"kind": "curve", "equation": "alpha = 0 deg"}
-
-
 def test_a_flat_manipulator_has_quadruple_poses_and_no_cusps() -> None:
     flat = manipulator(20, 6, 0, 7, 9, 16, "ccw")
     for length in (3, 11, 30):
@@ -141,49 +131,12 @@ def test_digits_from_15_to_1000() -> None:
             assert 2 * error <= Fraction(10) ** (Decimal(cusp.l2).adjusted() + 1 - digits)
 
 
-def test_the_certificate_accounts_for_the_whole_resultant() -> None:
-    for name, length in (("innocenti", "14.98"), ("zein-flat", "3")):
-        table = solve_slice(eliminate(EXAMPLES[name]), Fraction(length))
-        certificate, factors = table.certificate, table.certificate["factors"]
-        assert sum(f["degree"] * f["multiplicity"] for f in factors) == 48  # type: ignore[attr-defined]
-        assert certificate["eliminant_degree"] == 24
-        assert certificate["real_roots"] == table.count
-
-
-@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
-def test_names_follow_the_fixed_leg(fixed_leg: int) -> None:
-    slice_json = solve_slice(eliminate(INNOCENTI, fixed_leg), Fraction(15), 20).to_json()
-    others = [f"l{i}" for i in (1, 2, 3) if i != fixed_leg]
-    assert f"l{fixed_leg}" in slice_json
-    for cusp in slice_json["cusps"]:  # type: ignore[attr-defined]
-        assert list(cusp) == ["alpha_deg", f"theta{fixed_leg}_deg", *others]
-
-
 def test_cusps_come_in_the_order_of_theta() -> None:
     for length in ("14.98", "27", "28.1"):
         [table] = cusp_table(INNOCENTI, [length])
         angles = [Decimal(c.theta1_deg) for c in table.cusps]
         assert angles == sorted(angles)
         assert all(-180 < a <= 180 for a in angles)
-
-
-@pytest.mark.parametrize(
-    ("length", "digits", "field"),
-    [("0", 90, "l1"), ("-1", 90, "l1"), ("5", 14, "digits"), ("5", 10_001, "digits")],
-)
-def test_bad_slices_are_named(length: str, digits: int, field: str) -> None:
-    with pytest.raises(InputError) as caught:
-        solve_slice(eliminate(EXAMPLES["zein-flat"]), Fraction(length), digits)
-    assert [p.field for p in caught.value.problems] == [field]
-
-
-def test_csv_has_a_line_for_every_cusp_and_every_empty_slice() -> None:
-    tables = cusp_table(INNOCENTI, ["0.1", "14.98"], digits=15)
-    slices = [t.to_json() for t in tables] + [slice_error_json(Fraction(3), 1, "undecided", "too, hard")]
-    rows = list(csv.DictReader(io.StringIO(table_csv(table_json(INNOCENTI, 1, 15, slices)))))
-    assert [r["l1"] for r in rows] == ["0.1"] + ["14.98"] * 6 + ["3"]
-    assert rows[1]["l2"] == tables[1].cusps[0].l2
-    assert rows[-1]["error"] == "too, hard"
 
 
 def test_a_slice_is_its_table_or_its_error() -> None:

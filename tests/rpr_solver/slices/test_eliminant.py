@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
-from math import gcd, isqrt
+from math import gcd
 
 import pytest
-from flint import arb, arb_mat, ctx, fmpz, fmpz_mat, fmpz_mpoly_ctx, fmpz_poly
+from flint import arb, arb_mat, ctx, fmpz, fmpz_mpoly_ctx, fmpz_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver import (
     EXAMPLES,
     Eliminant,
-    InputError,
     Manipulator,
     SolverError,
     cusp_table,
@@ -27,14 +25,13 @@ from rpr_solver import (
 )
 from rpr_solver.contract import FEW_SLICES
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.elimination import ball_resultant
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.eliminant import Coefficients, KeptEliminants, _Sampling
-from tests.support.sampling import long, sample
+from rpr_solver.slices.eliminant import KeptEliminants, _Sampling
+from tests.support.sampling import sample
 from tests.support.shared import eliminant_of, plain_leg
-from tests.support.strategies import examples, lengths, manipulators
+from tests.support.strategies import examples, manipulators
 
 BITS = 4096
 
@@ -89,13 +86,6 @@ def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -
         assert (q_a * other, q_b * other) == (quotient_a * lead, quotient_b * lead)
 
 
-def test_degrees_are_24_in_u_and_10_in_l() -> None:
-    eliminant = eliminant_of(EXAMPLES["innocenti"])
-    assert (eliminant.a.nrows(), eliminant.a.ncols()) == (25, 11)
-    assert any(eliminant.a[24, k] for k in range(11))
-    assert any(eliminant.a[k, 10] for k in range(25))
-
-
 # the identity in u and L at once
 
 
@@ -142,55 +132,6 @@ def test_the_cofactor_is_one_integer_for_all_u_and_l(m: Manipulator, leg: int) -
     constant_everywhere(eliminant)
 
 
-MANIPULATORS = [
-    pytest.param(EXAMPLES["zein-flat"], id="flat"),
-    long(IRRATIONAL, id="small"),
-    long(LARGE, id="large"),
-]
-
-
-@pytest.mark.parametrize("m", MANIPULATORS)
-def test_the_cofactor_is_one_integer_for_long_and_short_numbers(m: Manipulator) -> None:
-    eliminant = eliminant_of(m)
-    constant_everywhere(eliminant)
-    largest = max(abs(x) for part in (eliminant.a, eliminant.b) for x in part.entries())
-    assert largest > 10**200 or m is not LARGE
-
-
-def test_no_common_content_is_left() -> None:
-    for m in (EXAMPLES["zein-flat"], IRRATIONAL):
-        eliminant = eliminant_of(m)
-        assert gcd(*map(int, (*eliminant.a.entries(), *eliminant.b.entries()))) == 1
-
-
-@pytest.mark.parametrize("leg", [1, 2, 3])
-@pytest.mark.parametrize("m", [EXAMPLES["innocenti"], IRRATIONAL], ids=["innocenti", "small"])
-def test_a_negative_length_is_the_opposite_direction(m: Manipulator, leg: int) -> None:
-    """Q(-1/u, -L) u^24 = Q(u, L), on which the choice of points rests."""
-    eliminant = eliminant_of(m, leg)
-    for part in (eliminant.a, eliminant.b):
-        for k in range(25):
-            for i in range(11):
-                assert part[24 - k, i] == (-1) ** (k + i) * part[k, i]
-
-
-@given(SMALL_MANIPULATORS, lengths(), st.sampled_from([1, 2, 3]))
-@examples(6)
-def test_the_first_precision_suffices(m: Manipulator, length: Fraction, leg: int) -> None:
-    """One value at each of two points, for each sign of ω: nothing is computed twice."""
-    asked: list[int] = []
-
-    def counted(first: Sequence[arb], second: Sequence[arb]) -> arb:
-        asked.append(ctx.prec)
-        return ball_resultant(first, second)
-
-    slice_map = SliceMap.of(m, leg)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rpr_solver.slices.eliminant.ball_resultant", counted)
-        _Sampling.of(slice_map).at(length * slice_map.scale)
-    assert len(asked) == (2 if slice_map.radicand == 1 else 4)
-
-
 @given(st.lists(st.integers(-60, 60), min_size=8, max_size=8), st.sampled_from([1, 2, 3]), st.integers(1, 6))
 @examples(12)
 def test_the_sides_divide_the_resultant(numbers: list[int], unit: int, length: int) -> None:
@@ -231,12 +172,6 @@ def test_one_slice_is_the_primitive_value_at_its_length(length: Fraction) -> Non
     assert q.radicand == eliminant.slice_map.radicand != 1
 
 
-def test_a_slice_in_which_j_and_e_share_a_curve_is_zero() -> None:
-    congruent = eliminant_of(manipulator(30, 0, 40, 30, 50, 40))
-    assert congruent.at(Fraction(5)).is_zero
-    assert not eliminant_of(EXAMPLES["zein-flat"]).at(Fraction(5)).is_zero
-
-
 # in a cache
 
 
@@ -250,43 +185,10 @@ def test_a_cached_eliminant_reads_back(m: Manipulator, leg: int) -> None:
     assert again.slice_map.fixed_leg == leg
 
 
-def test_a_geometry_beyond_the_limit_of_requests_reads_back() -> None:
-    """Whatever was once computed can be kept: here a length of 1,001 digits."""
-    m = manipulator(10**1000 + 7, 3, 5, 4, 5, 6)
-    zeros = fmpz_mat(25, 11)
-    slice_map = SliceMap.of(m)
-    stored = Eliminant(m, slice_map, Coefficients(slice_map, (zeros, zeros))).to_json()
-    assert Eliminant.from_json(stored).manipulator == m
-
-
-@pytest.mark.parametrize("change", [{"geometry": "innocenti"}, {"fixed_leg": "1"}, {"fixed_leg": None}])
-def test_what_is_no_eliminant_is_not_taken(change: dict[str, object]) -> None:
-    stored = eliminant_of(EXAMPLES["zein-flat"]).to_json()
-    with pytest.raises(ValueError, match="not an eliminant"):
-        Eliminant.from_json({**stored, **change})
-
-
 def test_an_eliminant_of_another_version_is_not_taken() -> None:
     stored = eliminant_of(EXAMPLES["zein-flat"]).to_json()
     with pytest.raises(ValueError, match="version"):
         Eliminant.from_json({**stored, "solver_version": "0"})
-
-
-def test_a_rational_height_needs_no_square_root() -> None:
-    right = Manipulator.from_json({"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20})
-    eliminant = eliminant_of(right)
-    assert eliminant.slice_map.radicand == 1
-    assert eliminant.b == fmpz_mat(25, 11, [0] * 275)
-    assert eliminant_of(EXAMPLES["innocenti"]).slice_map.radicand != 1
-
-
-def test_the_radicand_is_the_square_of_the_height_up_to_a_rational_square() -> None:
-    m = EXAMPLES["innocenti"]
-    slice_map = SliceMap.of(m)
-    height2 = m.area16 / (4 * m.d1**2)
-    ratio = height2 * slice_map.scale**2 / slice_map.radicand
-    assert ratio == slice_map.g.n**2
-    assert isqrt(slice_map.radicand) ** 2 != slice_map.radicand
 
 
 @pytest.mark.parametrize(("name", "leg"), sample(product(EXAMPLES, (1, 2, 3)), 0, 16))
@@ -297,14 +199,6 @@ def test_the_first_slices_are_those_of_the_whole(name: str, leg: int) -> None:
     assert few.coefficients.known is None
 
 
-@given(manipulators(), lengths(), st.sampled_from([1, 2, 3]))
-@examples(4)
-def test_a_slice_alone_is_that_of_the_whole(m: Manipulator, length: Fraction, leg: int) -> None:
-    eliminant = eliminate(m, leg)
-    alone = eliminant.at(length)
-    assert alone == eliminant.expect(FEW_SLICES + 1).at(length)
-
-
 @pytest.mark.parametrize("leg", [1, 2, 3])
 def test_a_slice_alone_of_forms_without_the_highest_power_of_a_length(leg: int) -> None:
     """Found by the long run: base and platform of these are flat and similar."""
@@ -313,22 +207,6 @@ def test_a_slice_alone_of_forms_without_the_highest_power_of_a_length(leg: int) 
     assert few.at(length) == whole.at(length)
     assert few.coefficients.known is None
     assert solve_slice(few, length, 20).to_json() == solve_slice(whole, length, 20).to_json()
-
-
-def test_coefficients_come_with_the_fifth_slice() -> None:
-    eliminant = eliminate(FIRST)
-    for k in range(FEW_SLICES):
-        eliminant.at(Fraction(k + 1))
-        eliminant.at(Fraction(1))
-        assert eliminant.coefficients.known is None
-    eliminant.at(Fraction(99))
-    assert eliminant.coefficients.known is not None
-
-
-@pytest.mark.parametrize("leg", [0, 4, "1"])
-def test_only_three_legs(leg: int) -> None:
-    with pytest.raises(InputError, match="fixed_leg"):
-        eliminant_of(EXAMPLES["innocenti"], leg)
 
 
 FIRST = EXAMPLES["innocenti"]
@@ -379,13 +257,6 @@ def test_the_last_used_are_kept_within_the_bound(eliminated: list[object]) -> No
     assert len(small) == 0
 
 
-def test_what_one_caller_keeps_in_it_is_its_own() -> None:
-    store = KeptEliminants()
-    first = store.eliminant(FIRST, 1)
-    first.kept["note"] = 1
-    assert "note" not in store.eliminant(FIRST, 1).kept
-
-
 def test_threads_get_the_same() -> None:
     store = KeptEliminants()
     expected = {leg: eliminant_of(FIRST, leg).a for leg in (1, 2, 3)}
@@ -393,12 +264,3 @@ def test_threads_get_the_same() -> None:
         found = list(pool.map(lambda n: store.eliminant(FIRST, n % 3 + 1), range(60)))
     assert all(e.a == expected[n % 3 + 1] for n, e in enumerate(found))
     assert len(store) == 3
-
-
-@pytest.mark.parametrize(
-    ("manipulator", "leg", "field"), [({}, 1, "manipulator"), (FIRST, True, "fixed_leg")]
-)
-def test_wrong_arguments_are_named(manipulator: Manipulator, leg: int, field: str) -> None:
-    with pytest.raises(InputError) as error:
-        KeptEliminants().eliminant(manipulator, leg)
-    assert [problem.field for problem in error.value.problems] == [field]

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rpr_solver import Eliminant, InputError, Manipulator, cusp_table, eliminate, solve_slice
-from rpr_solver.exact.rationals import parse_exact
+from rpr_solver import Eliminant, InputError, Manipulator, eliminate, solve_slice
 from rpr_solver.triangles import Geometry
 from tests.support.strategies import examples
 from tests.support.triangle_spellings import geometries
@@ -25,15 +24,6 @@ DIGITS = 40
 def test_cusps_of_manipulators_with_roots(row: dict[str, Any]) -> None:
     table = solve_slice(eliminate(Manipulator.from_json(row["geometry"])), row["l1"], DIGITS)
     check([cusp.to_json() for cusp in table.cusps], row)
-
-
-@pytest.mark.parametrize("row", ROWS[::4])
-def test_many_slices_have_the_same_cusps(row: dict[str, Any]) -> None:
-    length = parse_exact(row["l1"], "l1")
-    tables = list(
-        cusp_table(Manipulator.from_json(row["geometry"]), [length + n for n in range(12)], digits=DIGITS)
-    )
-    check([cusp.to_json() for cusp in tables[0].cusps], row)
 
 
 def check(cusps: list[dict[str, str]], row: dict[str, Any]) -> None:

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from math import isqrt
 
 import mpmath as mp
 import pytest
 from flint import arb, ctx, fmpz_poly
 
-from rpr_solver import EXAMPLES, Manipulator, PoseKind, SliceTable, SolverError, solve_slice
+from rpr_solver import EXAMPLES, Manipulator, PoseKind, SliceTable, solve_slice
 from rpr_solver.article.couples import CouplePoses, CuspBalls
-from rpr_solver.exact.biform import BiForm, T, U
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
-from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
-from rpr_solver.model.jets import HalfTangent, Pose
-from rpr_solver.model.joint_points import ExactPose, cos_sin
+from rpr_solver.model.jets import HalfTangent
+from rpr_solver.model.joint_points import ExactPose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.reference import Curve, ReferenceSlice, SliceForms, poses_above
+from rpr_solver.slices.reference import ReferenceSlice, SliceForms, poses_above
 from tests.support.article import coalescence, pose, singularity
 from tests.support.families import family
 from tests.support.newton import count_cusps
@@ -115,38 +109,6 @@ def test_a_slice_that_is_decided_exactly_accounts_for_the_whole_resultant(name: 
     assert table.certificate["eliminant_degree"] == 24
 
 
-@pytest.mark.parametrize(
-    ("leg", "origins"),
-    [
-        (1, ["L2=0", "leg 1 along A1A2"]),
-        (2, ["L1=0", "leg 2 along A1A2"]),
-        (3, ["L1=0", "leg 3 along A1A3"]),
-    ],
-)
-def test_known_factors_are_named_by_the_leg_that_closes(leg: int, origins: list[str]) -> None:
-    """The leg f of the slice map: the first of the free ones."""
-    factors = solve_slice(eliminant_of(EXAMPLES["zein-flat"], leg), 10, 15).certificate["factors"]
-    shapes = [(2, 1), (2, 2), (2, 9), (24, 1)]
-    expected = zip(shapes, [*origins, "circular", "cusps"], strict=True)
-    assert [((f["degree"], f["multiplicity"]), f["origin"]) for f in factors] == list(expected)
-
-
-def test_roots_at_infinity_are_accounted_for() -> None:
-    """The swallowtail at L1 = 1 lies at u = ∞, twice."""
-    certificate = (
-        slice_of(Manipulator(*map(Fraction, (2, -4, 4, 1, 4, 3)), orientation="cw"), "1").solve().certificate
-    )
-    cusps = [(f["degree"], f["multiplicity"]) for f in certificate["factors"] if f["origin"] == "cusps"]
-    assert cusps == [(22, 1), (1, 2)]
-    assert certificate["eliminant_degree"] == 24
-
-
-def test_where_a_curve_is_shared_the_known_factors_are_not_claimed() -> None:
-    certificate = slice_of(family("congruent"), "5").solve().certificate
-    assert {f["origin"] for f in certificate["factors"]} <= {"cusps"}
-    assert method(slice_of(family("congruent"), "5").solve()) == "exact"
-
-
 BITS = 400
 IRRATIONAL = Manipulator(*map(Fraction, (7, 3, 5, 4, 5, 6)), orientation="cw")
 SLICES = {"flat": (EXAMPLES["zein-flat"], "10"), "triangle": (IRRATIONAL, "5/2")}
@@ -197,23 +159,6 @@ def test_above_every_root_lies_a_cusp_of_the_article(name: str) -> None:
                 assert abs(own - mp.mpf(text(ball))) < mp.mpf(10) ** -30
 
 
-@pytest.mark.parametrize("name", SLICES)
-def test_angles_are_those_of_the_half_tangents(name: str) -> None:
-    for u, t, cusp in cusps_of(name):
-        for degrees, tangent in (
-            (cusp.theta_deg, float(u)),
-            (cusp.alpha_deg, float(t.numerator / t.denominator)),
-        ):
-            assert float(degrees) == pytest.approx(math.degrees(2 * math.atan(tangent)))
-
-
-@pytest.mark.parametrize("name", SLICES)
-def test_balls_are_as_thin_as_the_precision_allows(name: str) -> None:
-    for _, t, cusp in cusps_of(name):
-        balls = (t.numerator, t.denominator, cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
-        assert min(x.rel_accuracy_bits() for x in balls) > BITS // 2
-
-
 def test_a_wide_root_has_no_pose() -> None:
     """Over u ± 1/10 the subresultant may vanish; over u ± 1/2 it may be no cusp."""
     poses = poses_of("flat")
@@ -226,28 +171,8 @@ def test_a_wide_root_has_no_pose() -> None:
             assert poses.cusp(arb(u.mid(), 0.5), t) is None
 
 
-def test_what_is_uncertain_is_no_cusp() -> None:
-    """The true pose, with one half tangent or the other known too roughly, or with α about 180°."""
-    poses = poses_of("triangle")
-    with ctx.workprec(BITS):
-        for u, t, _ in cusps_of("triangle"):
-            wide = HalfTangent(arb(t.numerator.mid(), abs(t.numerator).upper()), t.denominator)
-            assert poses.cusp(u, wide) is None
-            assert poses.cusp(u, HalfTangent(t.numerator, arb(0, abs(t.denominator).upper()))) is None
-
-
-def test_a_half_turn_of_the_platform_is_left_to_number_fields() -> None:
-    """A regular pose far from all conditions: only its α = 180° speaks against it."""
-    poses = poses_of("triangle")
-    with ctx.workprec(BITS):
-        u = arb(1) / 3
-        assert poses.cusp(u, HalfTangent(arb(1), arb(1) / 1000)) is not None
-        assert poses.cusp(u, HalfTangent(arb(1), arb(0))) is None
-
-
 FIELD_BITS = 200
 [ORIGIN] = exact_roots(norm_factors(QuadraticPoly.rational([0, 1])))
-RATIONALS = Field.rationals()
 SWALLOWTAIL = Manipulator(*map(Fraction, (2, -4, 4, 1, 4, 3)), orientation="cw")
 """One swallowtail at L1 = 1, at θ = 180°."""
 
@@ -266,52 +191,7 @@ def ball(x: arb | Fraction) -> arb:
     return ball_of(x) if isinstance(x, Fraction) else x
 
 
-def degrees(poses: Iterable[ExactPose]) -> list[tuple[PoseKind, int, int]]:
-    """Kind, α and θ, of poses at whole degrees."""
-    result = []
-    for x in poses:
-        a, t = (ball.unique_fmpz() for ball in x.coordinates(FIELD_BITS)[:2])
-        assert a is not None
-        assert t is not None
-        result.append((x.kind, int(a), int(t)))
-    return sorted(result)
-
-
 # a flat manipulator: four quadruple poses with all on one line
-
-
-FLAT = family("both flat")
-LENGTH = 3
-
-
-def flat_poses(unit: Fraction = Fraction(1)) -> list[ExactPose]:
-    """All lengths times a unit."""
-    m = Manipulator(*(getattr(FLAT, name) * unit for name in ("a2x", "a3x", "a3y", "d1", "d2", "d3")))
-    forms = forms_of(m, LENGTH * unit)
-    return [x for root in (ORIGIN, None) for x in poses_above(forms, root)]
-
-
-def test_both_half_turns_are_found() -> None:
-    quadruple = PoseKind.QUADRUPLE
-    assert degrees(flat_poses()) == [(quadruple, a, t) for a in (0, 180) for t in (0, 180)]
-
-
-@pytest.mark.parametrize("unit", [Fraction(1), Fraction(2, 7)])
-def test_rational_lengths_are_exact(unit: Fraction) -> None:
-    """On a line a leg is the distance of two numbers."""
-    for x in flat_poses(unit):
-        [(_, alpha, theta)] = degrees([x])
-        b1 = LENGTH if theta == 0 else -LENGTH
-        side = 1 if alpha == 0 else -1
-        expected = abs(b1 + 7 * side - 20) * unit, abs(b1 + 16 * side - 6) * unit
-        assert tuple(x.coordinates(FIELD_BITS)[2:]) == expected
-
-
-def test_a_closed_leg_has_the_length_zero() -> None:
-    """L1 = 13, B1B2 = 7 and A1A2 = 20: at α = θ = 0 the second leg closes."""
-    poses = list(poses_above(forms_of(FLAT, 13), ORIGIN))
-    closed = [x for x in poses if x.local.squared_lengths()[0].is_zero]
-    assert [x.coordinates(FIELD_BITS)[2] for x in closed] == [0]
 
 
 # a swallowtail, and cusps beside it
@@ -342,76 +222,7 @@ def test_a_slice_with_a_swallowtail() -> None:
                 assert abs(own - mp.mpf(text)) < mp.mpf(10) ** -30
 
 
-@pytest.mark.long
-def test_irrational_lengths_are_not_called_rational() -> None:
-    for x in poses_of_the_swallowtail():
-        for length, square in zip(x.coordinates(FIELD_BITS)[2:], x.local.squared_lengths(), strict=True):
-            value = square.rational
-            assert isinstance(length, arb) == (value is None or not is_square(value))
-
-
-def is_square(x: Fraction) -> bool:
-    return all(isqrt(n) ** 2 == n for n in (x.numerator, x.denominator))
-
-
 # what is left out
 
 
-def test_ordinary_poses_are_left_out() -> None:
-    """θ = 0 puts leg 1 along A1A2: ∇f = 0 at a pose there, so J = E = 0, and it is no more than that."""
-    assert list(poses_above(forms_of(EXAMPLES["zein-flat"], 10), ORIGIN)) == []
-    assert list(poses_above(forms_of(EXAMPLES["zein-flat"], 10), None)) == []
-
-
-def test_poses_on_a_shared_curve_are_left_out() -> None:
-    """α = 0, then α = 180°, and then θ = 0, on which both poses lie, of a flat manipulator."""
-    forms = forms_of(FLAT, LENGTH)
-    quadruple = PoseKind.QUADRUPLE
-    assert degrees(poses_above(replace(forms, shared=(Curve(T),)), ORIGIN)) == [(quadruple, 180, 0)]
-    assert degrees(poses_above(replace(forms, shared=(Curve(None),)), ORIGIN)) == [(quadruple, 0, 0)]
-    assert degrees(poses_above(replace(forms, shared=(Curve(U),)), ORIGIN)) == []
-
-
-def test_a_line_of_poses_is_refused() -> None:
-    forms = forms_of(EXAMPLES["zein-flat"], 10)
-    u = BiForm.of(U, forms.slice_map.radicand, 0, 1)
-    on_a_line = replace(forms, singular=forms.singular * u, coalescence=forms.coalescence * u)
-    with pytest.raises(SolverError, match="line theta = const"):
-        list(poses_above(on_a_line, ORIGIN))
-
-
 # the parts
-
-
-@pytest.mark.parametrize("leg", [1, 2, 3])
-@pytest.mark.parametrize("t", [Fraction(1, 2), None])
-def test_jets_at_a_rational_pose(leg: int, t: Fraction | None) -> None:
-    """f and g by the corners of the platform, with ω = 1 as in every rational manipulator."""
-    slice_map = SliceMap.of(family("similar"), leg)
-    u, length = Fraction(-2, 3), Fraction(7)
-    cos_a, sin_a = (Fraction(-1), Fraction(0)) if t is None else (Fraction(3, 5), Fraction(4, 5))
-    x, y = length * Fraction(5, 13), length * Fraction(-12, 13)
-    angles = (cos_sin(None if half is None else RATIONALS(half), RATIONALS, 1) for half in (t, u))
-    at = Pose(*(x for pair in angles for x in pair), RATIONALS(length), RATIONALS(1))
-    local = ExactPose.of(slice_map, at).local
-    for leg_map, square in zip((slice_map.f, slice_map.g), local.squared_lengths(), strict=True):
-        along = x + cos_a * leg_map.m - sin_a * leg_map.n - leg_map.ax
-        across = y + sin_a * leg_map.m + cos_a * leg_map.n - leg_map.ay
-        assert square.rational == along**2 + across**2
-    assert local.f.order == local.g.order == 4
-
-
-def test_coordinates_hold_irrational_numbers() -> None:
-    """A pose at tan(α/2) = √2 and tan(θ/2) = −√2, with L = √2."""
-    [_, root] = exact_roots(norm_factors(QuadraticPoly(fmpz_poly([-2, 0, 1]), fmpz_poly([0]), 1)))
-    u, one = root.in_field()
-    slice_map = SliceMap.of(family("similar"))
-    x = ExactPose.of(slice_map, Pose(*cos_sin(u, u.field, 1), *cos_sin(-u, u.field, 1), u, one))
-    with ctx.workprec(FIELD_BITS):
-        angle = 2 * arb(2).sqrt().atan() * 180 / arb.pi()
-        squares = [square.ball(FIELD_BITS) for square in x.local.squared_lengths()]
-        lengths = [square.sqrt() / slice_map.scale_ball() for square in squares]
-        own = map(ball, x.coordinates(FIELD_BITS))
-        for got, expected in zip(own, (angle, -angle, *lengths), strict=True):
-            assert got.overlaps(expected)
-            assert got.rel_accuracy_bits() > FIELD_BITS - 40

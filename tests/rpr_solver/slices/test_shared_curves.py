@@ -7,20 +7,19 @@ from fractions import Fraction
 from math import gcd, prod
 
 import pytest
-from flint import fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly, nmod_poly
+from flint import fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly
 from hypothesis import given
-from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, SolverError, solve_slice
-from rpr_solver.exact.biform import OMEGA, BiForm, L, Rows, T, U
-from rpr_solver.exact.modular import primes, sylvester
+from rpr_solver.exact.biform import OMEGA, BiForm, Rows, T, U
+from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.joint_points import cos_sin
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.reference import Curve, SliceForms, special_poses, without_shared_curves
-from tests.support.families import CONGRUENT_FLAT, family
+from rpr_solver.slices.reference import SliceForms, without_shared_curves
+from tests.support.families import CONGRUENT_FLAT
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths
 
@@ -88,19 +87,6 @@ def test_where_nothing_is_shared_the_eliminant_has_all_its_factors(length: Fract
         assert whole in (expected, expected * -1)
 
 
-def test_a_slice_s_forms_are_those_of_the_map() -> None:
-    slice_map = SliceMap.of(EXAMPLES["zein-flat"])
-    forms = SliceForms.of(slice_map, LENGTH)
-    assert (forms.slice_map, forms.length, forms.shared) == (slice_map, LENGTH, ())
-    assert (len(forms.singular.rows), len(forms.coalescence.rows)) == (5, 7)
-    p, _ = next(primes(1))
-    joined = slice_map.coalescence.joined
-    in_t = [nmod_poly(row.a, p) for row in forms.coalescence.rows]
-    assert [int(sum(c(3) * pow(t, i, p) for i, c in enumerate(in_t))) for t in (0, 2)] == [
-        int(joined.compose(fmpz(t) + 0 * T, 3 + 0 * T, 5 + 0 * T, 1 + 0 * T)[0, 0, 0, 0] % p) for t in (0, 2)
-    ]
-
-
 # curves that are put in
 
 
@@ -122,12 +108,6 @@ def test_several_curves_and_powers_are_divided_out_and_each_is_said_once() -> No
     """t² in J and in E, and two other curves; what is imaginary is divided out and no curve of poses."""
     forms, q = sliced_without(with_factors(T, T, U - 2, T * U + 1, T**2 + 1, U**2 + 1), LENGTH)
     assert sorted(str(curve.polynomial) for curve in forms.shared) == ["t", "t*u + 1", "u - 2"]
-    assert_plain(forms, q)
-
-
-def test_a_power_that_only_j_holds_is_no_isolated_zero() -> None:
-    forms, q = sliced_without(with_factors(T, only_j=T), LENGTH)
-    assert [curve.equation(forms.slice_map) for curve in forms.shared] == ["alpha = 0 deg"]
     assert_plain(forms, q)
 
 
@@ -156,15 +136,6 @@ def test_a_curve_that_is_not_rational_is_refused() -> None:
         sliced_without(slice_map, LENGTH)
 
 
-def test_a_curve_at_one_length_alone_is_found_there() -> None:
-    slice_map = with_factors(T * L - 5 + U * (L - 5))
-    there, beside = (sliced_without(slice_map, length)[0].shared for length in (Fraction(5), Fraction(6)))
-    assert [curve.equation(slice_map) for curve in there] == [
-        "t - 1 = 0 with t = tan(alpha/2), u = tan(theta1/2)"
-    ]
-    assert [str(curve.polynomial) for curve in beside] == ["6*t + u - 5"]
-
-
 # congruent triangles
 
 
@@ -181,19 +152,7 @@ def test_congruent_triangles_move_in_parallel(sign: int, equation: str, leg: int
     assert forms.singular.degree_t < 4
 
 
-def test_similar_triangles_share_no_curve() -> None:
-    slice_map = SliceMap.of(family("similar"))
-    assert sliced_without(slice_map, LENGTH)[0].shared == ()
-
-
 # which poses lie on a curve
-
-
-def test_an_equation_names_the_fixed_leg() -> None:
-    assert (
-        Curve(U - 2).equation(SliceMap.of(family("similar"), 3))
-        == "u - 2 = 0 with t = tan(alpha/2), u = tan(theta3/2)"
-    )
 
 
 def at(t: Fraction | None, u: Fraction | None) -> Pose[Algebraic]:
@@ -202,29 +161,6 @@ def at(t: Fraction | None, u: Fraction | None) -> Pose[Algebraic]:
         cos_sin(None if x is None else RATIONALS(x), RATIONALS, 1) for x in (t, u)
     )
     return Pose(cos_a, sin_a, cos_t, sin_t, RATIONALS(1), RATIONALS(1))
-
-
-@given(st.fractions(-9, 9, max_denominator=9), st.fractions(-9, 9, max_denominator=9))
-@examples(30)
-def test_a_pose_lies_on_a_curve_where_its_equation_holds(t: Fraction, u: Fraction) -> None:
-    pose = at(t, u)
-    assert Curve(T * U - 6).holds(pose) == (t * u == 6)
-    assert Curve(T**2 * U - U - 3).holds(pose) == (t * t * u - u == 3)
-    assert Curve(T).holds(pose) == (t == 0)
-    assert not Curve(None).holds(pose)
-    if t:
-        assert Curve(T * U - 6).holds(at(t, 6 / t))
-
-
-def test_a_half_turn_lies_on_its_own_curve_and_where_the_highest_power_of_t_vanishes() -> None:
-    assert Curve(None).holds(at(None, Fraction(3)))
-    assert not Curve(T * U - 1).holds(at(None, Fraction(3)))
-    assert Curve(T * (U - 3) - 1).holds(at(None, Fraction(3)))
-
-
-def test_where_the_fixed_leg_has_turned_by_a_half_the_highest_power_of_u_counts() -> None:
-    assert Curve(T * U - U + 5).holds(at(Fraction(1), None))
-    assert not Curve(T * U - U + 5).holds(at(Fraction(2), None))
 
 
 @pytest.mark.parametrize("fixed_leg", [1, 2, 3])
@@ -240,12 +176,3 @@ def test_both_legs_are_stationary_at_two_poses_of_a_flat_curve(fixed_leg: int, l
     }
     assert on_curve == {"0": "higher", "180.000000000000": "higher"}
     assert table.degenerate_points[0]["equation"] == "alpha = 180 deg"
-
-
-def test_a_curve_without_special_poses() -> None:
-    slice_map = SliceMap.of(family("congruent"))
-    whole = SliceForms.of(slice_map, Fraction(5))
-    assert special_poses(whole) == []
-    forms, _ = without_shared_curves(whole)
-    assert forms.shared
-    assert special_poses(forms) == []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -22,20 +21,13 @@ from rpr_solver.model.joint_points import ClassifiedPoint
 from rpr_solver.slices.slice_table import SliceCertificate, SliceTable
 from tests.support.families import family
 from tests.support.newton import Slice
-from tests.support.shapes import misfits
 from tests.support.shared import eliminant_of
 
 CERTIFICATE: SliceCertificate = {
     "eliminant_degree": 24, "real_roots": 2, "factors": [], "method": "balls", "nonzero": ["v"]
 }  # fmt: skip
-CUSPS = (
-    JointPoint(2, ("-31.4509403281135", "-129.006918092045", "25.2233542007524", "1.00000000000000e-20")),
-    JointPoint(2, ("180.000000000000", "0", "3.5", "40")),
-)
 SWALLOWTAIL = {"kind": "swallowtail", "alpha_deg": "0", "theta2_deg": "90", "l1": "1", "l3": "2"}
 CURVE = {"kind": "curve", "equation": "alpha = 0"}
-TABLE = SliceTable(2, Fraction(61, 3), 15, CUSPS, (CURVE, SWALLOWTAIL), CERTIFICATE)
-EMPTY = SliceTable(1, Fraction(7, 2), 20, (), (), CERTIFICATE)
 
 
 def point(kind: PoseKind, theta: arb, alpha: arb, name: str) -> ClassifiedPoint:
@@ -70,78 +62,6 @@ def test_cusps_are_told_from_other_points() -> None:
     assert table.certificate == CERTIFICATE
 
 
-def test_the_document_has_the_length_by_the_name_of_the_leg() -> None:
-    document = TABLE.to_json()
-    assert list(document) == ["l2", "count", "cusps", "degenerate_points", "certificate"]
-    assert (document["l2"], document["count"]) == ("61/3", 2)
-    assert document["cusps"][0] == {
-        "alpha_deg": "-31.4509403281135",
-        "theta2_deg": "-129.006918092045",
-        "l1": "25.2233542007524",
-        "l3": "1.00000000000000e-20",
-    }
-    assert document["degenerate_points"] == [CURVE, SWALLOWTAIL]
-    assert document["certificate"] == CERTIFICATE
-    assert EMPTY.to_json() | {"certificate": None} == {
-        "l1": "3.5", "count": 0, "cusps": [], "degenerate_points": [], "certificate": None
-    }  # fmt: skip
-
-
-def test_changes_of_the_document_leave_the_table_as_it_is() -> None:
-    document = TABLE.to_json()
-    document["degenerate_points"][0]["kind"] = "cusp"
-    document["cusps"][0].clear()
-    document["certificate"]["method"] = "guess"
-    assert TABLE.to_json() == replace(TABLE).to_json()
-    assert CURVE["kind"] == "curve"
-    assert CERTIFICATE["method"] == "balls"
-
-
-def test_cusps_have_rows_with_numbers_and_then_degenerate_points_without() -> None:
-    rows = TABLE.rows()
-    assert [(row["kind"], row["cusp"]) for row in rows] == [
-        ("cusp", 1),
-        ("cusp", 2),
-        ("curve", None),
-        ("swallowtail", None),
-    ]
-    assert {row["l2"] for row in rows} == {61 / 3}
-    assert {row["l2_text"] for row in rows} == {"61/3"}
-    assert (rows[0]["alpha_deg"], rows[0]["alpha_deg_text"]) == (-31.4509403281135, "-31.4509403281135")
-    assert (rows[0]["l3"], rows[0]["l3_text"]) == (1e-20, "1.00000000000000e-20")
-    assert (rows[3]["theta2_deg"], rows[3]["l1"]) == (90.0, 1.0)
-    assert rows[2].keys() == {"l2", "l2_text", "kind", "cusp", "equation"}
-    assert EMPTY.rows() == []
-
-
-@pytest.mark.parametrize(
-    ("changes", "text"),
-    [
-        ({}, "<SliceTable L2=20.333333…: 2 cusps and 2 degenerate, 15 digits>"),
-        ({"degenerate_points": ()}, "<SliceTable L2=20.333333…: 2 cusps, 15 digits>"),
-        (
-            {"cusps": CUSPS[:1], "degenerate_points": (), "digits": 90},
-            "<SliceTable L2=20.333333…: 1 cusp, 90 digits>",
-        ),
-        (
-            {"cusps": (), "length": Fraction(10)},
-            "<SliceTable L2=10: 0 cusps and 2 degenerate, 15 digits>",
-        ),
-    ],
-)
-def test_in_short_it_is_its_counts(changes: dict[str, Any], text: str) -> None:
-    table = replace(TABLE, length=Fraction(20333333333333, 10**12))
-    assert repr(replace(table, **changes)) == text
-
-
-def test_a_notebook_shows_the_counts_and_a_line_for_each_row() -> None:
-    html = TABLE._repr_html_()
-    assert "SliceTable L2=61/3: 2 cusps and 2 degenerate, 15 digits" in html
-    assert html.count("<tr>") == 1 + len(TABLE.rows())
-    assert html.index("<td>cusp</td>") < html.index("<td>curve</td>") < html.index("<td>swallowtail</td>")
-    assert "<table>" not in EMPTY._repr_html_()
-
-
 SLICES = {
     "balls": (EXAMPLES["zein-flat"], 1, 10),
     "leg 2": (EXAMPLES["zein-flat"], 2, 10),
@@ -157,11 +77,6 @@ SLICES = {
 def table(name: str, digits: int = 15) -> dict[str, Any]:
     manipulator, leg, length = SLICES[name]
     return solve_slice(eliminant_of(manipulator, leg), length, digits).to_json()
-
-
-@pytest.mark.parametrize("name", SLICES)
-def test_a_certificate_has_what_is_declared_and_nothing_else(name: str) -> None:
-    assert list(misfits(table(name)["certificate"], SliceCertificate)) == []
 
 
 @pytest.mark.parametrize("name", SLICES)
@@ -194,20 +109,3 @@ def test_what_is_named_is_not_0_at_any_cusp() -> None:
             assert abs(f[1][0] * e[1] - f[0][1] * e[0]) > 1e-6
             methods.add(answer["certificate"]["method"])
     assert methods == {"balls", "exact"}
-
-
-@pytest.mark.parametrize("name", SLICES)
-def test_balls_settle_a_slice_only_if_all_roots_are_simple(name: str) -> None:
-    certificate = table(name)["certificate"]
-    multiplicities = {x["multiplicity"] for x in certificate["factors"] if x["origin"] == "cusps"}
-    if certificate["method"] == "balls":
-        assert multiplicities == {1}
-        assert table(name)["degenerate_points"] == []
-    else:
-        assert certificate["method"] == "exact"
-
-
-def test_a_real_root_of_q_for_each_cusp_of_a_generic_slice() -> None:
-    """Above every real root lies one cusp, whatever its side."""
-    for name in ("balls", "leg 2", "no cusp"):
-        assert table(name)["certificate"]["real_roots"] == table(name)["count"]

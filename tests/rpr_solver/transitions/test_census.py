@@ -14,13 +14,10 @@ from hypothesis import strategies as st
 from rpr_solver import (
     EXAMPLES,
     Census,
-    InputError,
     Manipulator,
     census,
-    census_csv,
     eliminate,
     exact_str,
-    restrict_census,
     solve_slice,
 )
 from rpr_solver.transitions.survey import survey
@@ -195,20 +192,6 @@ def test_scale_and_mirror(m: Manipulator, fixed_leg: int) -> None:
         assert (a.kind, Fraction(a.length) * factor) == (b.kind, Fraction(b.length))
 
 
-def test_a_range_is_cut_from_the_whole() -> None:
-    whole = census_of(EXAMPLES["innocenti"]).to_json()
-    part = restrict_census(whole, Fraction(27), Fraction("28.2"), 20)
-    assert part is not None
-    assert part["range"] == {"from": "27", "to": "28.2"}
-    assert [i["count"] for i in part["intervals"]] == [8, 10, 8]
-    assert part["intervals"][0]["from"] == "27"
-    assert [len(t["l1"]) for t in part["transitions"]] == [21, 21]
-    assert restrict_census(whole, None, None) == whole
-    assert restrict_census(whole, None, None, 31) is None
-    at_one = Fraction(part["transitions"][0]["l1"])
-    assert restrict_census(part, at_one, None) is None
-
-
 @pytest.mark.parametrize("exponent", [long(20), 50])
 def test_a_range_may_begin_right_beside_a_transition(exponent: int) -> None:
     last = census_of(EXAMPLES["zein-flat"], digits=80).transitions[-1]
@@ -217,25 +200,3 @@ def test_a_range_may_begin_right_beside_a_transition(exponent: int) -> None:
     assert last.count_before != last.count_after
     assert (below.counts, above.counts) == ((last.count_before, last.count_after), (last.count_after,))
     assert below.to_json()["intervals"][0]["from"] == exact_str(below.range.start)  # type: ignore[index]
-
-
-def test_ranges_without_lengths_are_refused() -> None:
-    with pytest.raises(InputError, match=r"start: is -1"):
-        census(EXAMPLES["innocenti"], start=Fraction(-1))
-    with pytest.raises(InputError, match=r"stop: is 2; it must exceed 2"):
-        census(EXAMPLES["innocenti"], start=Fraction(2), stop=Fraction(2))
-
-
-def test_csv_has_a_line_for_every_interval() -> None:
-    document = census_of(EXAMPLES["zein-flat"]).to_json()
-    lines = census_csv(document).splitlines()
-    assert lines[0] == "from,to,count,transition_at_end,degenerate"
-    assert len(lines) == 1 + len(document["intervals"])  # type: ignore[arg-type]
-    assert lines[-1].endswith(",,4,,")
-
-
-def test_progress_is_told() -> None:
-    seen: list[tuple[int, int]] = []
-    census(EXAMPLES["zein-flat"], digits=15, progress=lambda done, total: seen.append((done, total)))
-    assert seen == sorted(seen)
-    assert seen[-1][0] == seen[-1][1]

@@ -10,7 +10,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, JointPoint, Requirement, check
-from rpr_solver.errors import InputError
 from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, _merged, _side
 from tests.support.shared import census_of
 from tests.support.strategies import examples, rationals
@@ -58,29 +57,6 @@ class TestVerdict:
             {"from": "3", "to": "4", "count": 3, "example": {"l1": "3.5", "cusps": [CUSP.to_json()] * 3}},
         ]
 
-    def test_rows_tell_which_intervals_are_admitted(self) -> None:
-        rows = report([2, 1, 3], most=2).rows()
-        assert [(row["from"], row["to"], row["admitted"]) for row in rows] == [
-            (1.0, 2.0, True), (2.0, 3.0, True), (3.0, 4.0, False)
-        ]  # fmt: skip
-
-    @pytest.mark.parametrize(
-        ("counts", "text"),
-        [
-            ([1], "passed of 1"),
-            ([1, 2], "failed in 1 interval of 2"),
-            ([2, 1, 3], "failed in 2 intervals of 3"),
-        ],
-    )
-    def test_in_short_it_is_its_verdict(self, counts: list[int], text: str) -> None:
-        answer = report(counts, most=1)
-        assert repr(answer) == f"<CheckReport L1 from 1 to {len(counts) + 1}: {text}>"
-        assert text in answer._repr_html_()
-
-    def test_an_interval_is_shown_with_its_ends(self) -> None:
-        last = CheckedInterval("31.8632047694475", None, 1, Fraction(40), (CUSP,))
-        assert repr(last) == "<CheckedInterval 31.863204… to ∞: 1 cusp>"
-
 
 class TestIntervals:
     @given(st.lists(st.integers(0, 2), min_size=1))
@@ -110,11 +86,6 @@ class TestIntervals:
         first, last = answer.intervals[0], answer.intervals[-1]
         assert (Fraction(first.start), last.stop and Fraction(last.stop)) == (low, high)
         assert all(len(x.cusps) == x.count for x in answer.intervals)
-
-    def test_another_thing_than_a_requirement_is_named(self) -> None:
-        with pytest.raises(InputError) as caught:
-            check(FLAT, 6)  # type: ignore[arg-type]
-        assert [p.field for p in caught.value.problems] == ["requirement"]
 
 
 class TestSide:

@@ -9,7 +9,6 @@ from itertools import pairwise
 import pytest
 
 from rpr_solver import Census, Manipulator, SolverError, census, solve_slice
-from rpr_solver.exact.biform import divides
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.components import Components
 from tests.support.discriminant import candidate_lengths
@@ -42,24 +41,6 @@ def test_congruent_triangles_have_walls_alone() -> None:
     assert similar.graph is not None
     assert similar.walls
     assert not components(family("both flat")).walls
-
-
-@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
-def test_turnings_and_crossings_are_prime_to_the_curve(fixed_leg: int) -> None:
-    for m in (
-        MIRRORED_ISOSCELES,
-        MIRRORED_RIGHT_BASE,
-        CONGRUENT_FLAT,
-        family("similar"),
-        family("both flat"),
-    ):
-        for component in components(m, fixed_leg).components:
-            assert not any(divides(component.curve, x) for x in (component.turning, *component.crossing))
-            assert _degrees(component.zeroth) == _degrees(component.first)
-
-
-def _degrees(form: object) -> tuple[int, int]:
-    return form.degree_t, form.degree_u  # type: ignore[attr-defined]
 
 
 def test_an_irrational_height_is_refused() -> None:

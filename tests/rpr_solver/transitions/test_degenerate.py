@@ -32,7 +32,7 @@ from rpr_solver.slices.eliminant import Coefficients
 from rpr_solver.transitions.degeneracies import _curves
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
-from tests.support.shared import census_of, eliminant_of
+from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 
 ENDS = st.one_of(st.none(), st.integers(1, 12))
@@ -107,12 +107,6 @@ def test_congruent_triangles_have_a_curve_in_every_slice(sign: int, angle: int, 
     curve, nodes = census(m, fixed_leg=fixed_leg, digits=15).degenerate
     assert curve.to_json() == {**CURVE, "equation": f"alpha = {angle} deg"}
     assert (nodes.kind, nodes.count, nodes.start) == ("node", 2, "0")
-
-
-def test_what_is_clean_says_so() -> None:
-    table = census_of(EXAMPLES["zein-flat"])
-    assert table.to_json()["degenerate"] == []
-    assert "degenerate" not in repr(table)
 
 
 def test_census_check_and_curves_say_the_same() -> None:

@@ -13,16 +13,12 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U, scale
-from rpr_solver.exact.elimination import resultant
+from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U
 from rpr_solver.exact.quadratic import Form
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.transitions import event_systems
 from rpr_solver.transitions.event_systems import (
-    ELIMINATION_STEPS,
     EventSystems,
     NotGeneric,
-    SharedAngles,
     System,
     limit_system,
 )
@@ -200,11 +196,6 @@ def check_identities(systems: EventSystems, above: int, square: Fraction) -> Non
     assert (permanent.eliminant.degree, systems.not_parallel.degree) == (8, 6)
 
 
-@pytest.mark.parametrize("m", CHEAP)
-def test_the_known_factors_divide_the_resultants(m: Manipulator) -> None:
-    check_identities(systems_of(m), 3**38, Fraction(100))
-
-
 @st.composite
 def generic(draw: st.DrawFn, size: int = 10**6) -> Manipulator:
     """Any manipulator with whole lengths and no flat triangle."""
@@ -287,65 +278,4 @@ def test_events_that_are_not_isolated_are_said_to_be_so(name: str) -> None:
         systems_of(family(name))
 
 
-def test_progress_is_told_step_by_step() -> None:
-    steps: list[tuple[int, int]] = []
-    EventSystems.of(SliceMap.of(CHEAP[0]), lambda done, total: steps.append((done, total)))
-    assert steps == [(done, ELIMINATION_STEPS) for done in range(1, ELIMINATION_STEPS + 1)]
-
-
 FIRST, SECOND = T * U + OMEGA, T**2 + U**2 * OMEGA - 3
-
-
-def form(p: object, degree_t: int, degree_u: int) -> BiForm:
-    return BiForm.of(p, 2, degree_t, degree_u)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("angle", [T, T - 5, T - OMEGA, T**2 - OMEGA])
-def test_a_shared_angle_is_divided_out_with_its_powers(angle: object) -> None:
-    degree = int(angle.degrees()[0])  # type: ignore[attr-defined]
-    first, second = form(FIRST * angle**2, 1 + 2 * degree, 1), form(SECOND * angle, 2 + degree, 2)  # type: ignore[operator]
-    shared = SharedAngles.of(first, second)
-    assert shared is not None
-    assert (shared.first.degree_t, shared.second.degree_t) == (1, 2)
-    assert shared.first.quotient(form(FIRST, 1, 1)).degree_t == 0
-    assert shared.second.quotient(form(SECOND, 2, 2)).degree_t == 0
-    assert shared.angles.quotient(form(angle, degree, 0)).degree_t == 0
-
-
-def test_a_half_turn_is_an_angle_too() -> None:
-    shared = SharedAngles.of(form(FIRST, 3, 1), form(SECOND, 3, 2))
-    assert shared is not None
-    assert (shared.first.degree_t, shared.second.degree_t) == (1, 2)
-    assert (shared.angles.degree_t, shared.angles.zeros_at_infinity) == (1, 1)
-
-
-def test_forms_that_share_no_angle() -> None:
-    assert SharedAngles.of(form(FIRST * (T - 1), 2, 1), form(SECOND, 2, 2)) is None
-    assert SharedAngles.of(form(FIRST, 2, 1), form(SECOND, 2, 2)) is None
-
-
-def test_the_scale_of_a_product() -> None:
-    first = BiForm(3 * T * U + 1, 5 * T * U, 7, 1, 1)
-    second = BiForm(U**2 - T, T * 0 + 2, 7, 1, 2)
-    whole = first * second * second
-    assert scale(whole, first, second, second) == 1
-    assert scale(whole, first, second * BiForm(T * 0 + 6, T * 0, 7, 0, 0), second) == Fraction(1, 6)
-
-
-@pytest.mark.parametrize("m", [Manipulator(101, 7, 103, 107, 109, 113), EXAMPLES["innocenti"], CHEAP[1]])
-def test_known_contents_are_divided_out_of_the_resultants(
-    m: Manipulator, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The eliminants are the same without them. For different primes as sides half of the bits are known."""
-    divided: list[int] = []
-
-    def both(first: BiForm, second: BiForm, known: Form | None, content: Fraction) -> Form:
-        found = resultant(first, second, known, content)
-        assert found == resultant(first, second, known)
-        divided.append(content.numerator.bit_length() if content != 1 else 0)
-        return found
-
-    monkeypatch.setattr(event_systems, "resultant", both)
-    EventSystems.of(SliceMap.of(m))
-    assert divided[:2] == [0, 0]
-    assert min(divided[2:]) > (150 if m.d1 == 107 else 0)

@@ -2,38 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import islice, product
+from itertools import product
 
 import mpmath as mp
 import pytest
-from flint import nmod_poly
-from hypothesis import given
-from hypothesis import strategies as st
 from mpmath import mpf
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind
 from rpr_solver.exact.factors import exact_roots, norm_factors
-from rpr_solver.exact.modular import primes
-from rpr_solver.exact.number_field import Algebraic, Field
-from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.bridge import exact_direction
+from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions import exact_events
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric, System
 from rpr_solver.transitions.exact_events import (
-    _apart,
-    _common_roots,
-    _coprime,
-    _InLength,
     _permanent_poses,
-    _poses,
-    _roots,
-    _without,
     events_above,
     never_degenerate,
     permanent_events,
@@ -53,8 +38,6 @@ PERMANENT = [
     ("folded flat platform", 1, ["swallowtail"]),
     ("right angles", 1, []),
 ]
-RATIONALS = Field.rationals()
-ROOT_TWO = Field(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
 
 
 @cache
@@ -182,72 +165,6 @@ def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
             assert scaled not in elsewhere
 
 
-@pytest.mark.parametrize(
-    ("cos", "sin", "degrees"),
-    [
-        (1, 0, 0),
-        (-1, 0, 180),
-        (0, 1, 90),
-        (0, -1, -90),
-        (Fraction(-4, 5), Fraction(-3, 5), -143.13010235415598),
-    ],
-)
-def test_angles_are_in_the_half_open_turn(cos: Fraction, sin: Fraction, degrees: float) -> None:
-    angle = exact_direction(RATIONALS(Fraction(cos)), RATIONALS(Fraction(sin)), 1, 128)
-    assert float(angle.mid()) == pytest.approx(degrees)
-    assert angle.is_exact() or sin
-
-
-def polynomial(field: Field, *coefficients: int) -> list[Algebraic]:
-    return [field(c) for c in coefficients]
-
-
-def plain(p: Sequence[Algebraic]) -> list[Fraction | None]:
-    return [c.rational for c in p]
-
-
-def test_what_polynomials_share_is_taken_out() -> None:
-    one, two = polynomial(RATIONALS, -1, 1), polynomial(RATIONALS, 2, -5, 4, -1)  # (1 − x)² (2 − x)
-    assert plain(_without(two, one)) == [2, -1]
-    assert plain(_without(two, polynomial(RATIONALS, 7, 1))) == plain(two)
-    assert plain(_without(two, [])) == plain(two)
-    assert plain(_without(polynomial(RATIONALS, 0, 0, 3, 0, 1), polynomial(RATIONALS, 0, 1))) == [3, 0, 1]
-    assert _without([], polynomial(RATIONALS, 0, 1)) == []
-
-
-def test_polynomials_are_proved_to_be_apart() -> None:
-    root = [-ROOT_TWO.generator, ROOT_TWO(1)]
-    square = [ROOT_TWO(-2), ROOT_TWO(0), ROOT_TWO(1)]
-    assert not _apart(root, square)
-    assert _apart(root, [ROOT_TWO(-3), ROOT_TWO(0), ROOT_TWO(1)])
-    assert _apart([ROOT_TWO(5)], square)
-    assert not _apart([], square)
-
-
-@given(*[st.lists(st.integers(-9, 9), max_size=4)] * 3, st.integers(-9, 9), st.integers(-5, 5))
-def test_polynomials_in_the_length_are_a_ring(
-    first: list[int], second: list[int], third: list[int], factor: int, at: int
-) -> None:
-    def value(p: _InLength) -> Fraction:
-        assert not p.coefficients or not p.coefficients[-1].is_zero
-        return sum((c.rational * at**k for k, c in enumerate(p.coefficients)), Fraction(0))  # type: ignore[operator]
-
-    a, b, c = (_InLength(RATIONALS, polynomial(RATIONALS, *x)) for x in (first, second, third))
-    x, y, z = (value(p) for p in (a, b, c))
-    assert value(a * b + c) == x * y + z
-    assert value(a - b * factor) == x - y * factor
-    assert value(-a) == -x
-    assert value(a + factor) == x + factor
-
-
-def test_an_event_of_an_exact_pose_is_all_in_one_field() -> None:
-    [event, _] = permanent_events(systems_of(family("isosceles"), 3).permanent)
-    assert event.pose is not None
-    p = event.pose.exact().local.pose
-    assert len({id(x.field) for x in (p.cos_alpha, p.sin_alpha, p.cos_theta, p.sin_theta, p.length)}) == 1
-    assert (p.cos_alpha * p.cos_alpha + p.sin_alpha * p.sin_alpha - 1).is_zero
-
-
 def test_permanent_events_beside_an_equilateral_pair_need_no_field_of_their_direction(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -269,18 +186,9 @@ def test_permanent_events_beside_an_equilateral_pair_need_no_field_of_their_dire
     assert all(x.overlaps(y) for x, y in zip(pose.coordinates(256), place, strict=True))
 
 
-P = next(primes(1))[0]
-
-
 @cache
 def permanent_of(m: Manipulator, fixed_leg: int) -> System:
     return EventSystems.of(SliceMap.of(m, fixed_leg)).permanent
-
-
-@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
-@pytest.mark.parametrize("name", ["innocenti", "twelve-cusps"])
-def test_usual_manipulators_are_decided_by_a_prime(name: str, fixed_leg: int) -> None:
-    assert never_degenerate(permanent_of(EXAMPLES[name], fixed_leg))
 
 
 @pytest.mark.parametrize(
@@ -296,58 +204,3 @@ def test_usual_manipulators_are_decided_by_a_prime(name: str, fixed_leg: int) ->
 )
 def test_degenerate_ones_are_not_denied(name: str, fixed_leg: int) -> None:
     assert not never_degenerate(permanent_of(family(name), fixed_leg))
-
-
-def test_eight_poses_up_to_half_turns_of_the_fixed_leg() -> None:
-    """Each is singular modulo the prime for every L, and they are different."""
-    permanent = permanent_of(EXAMPLES["innocenti"], 1)
-    found = [
-        x
-        for p, omega in islice(primes(permanent.slice_map.radicand), 200)
-        if (x := _poses(permanent, p, omega))
-    ]
-    assert found
-    for poses in found:
-        assert len({tuple(map(str, (x.cos_alpha, x.sin_alpha, x.sin_theta))) for x in poses}) == 8
-
-
-@pytest.mark.parametrize(
-    ("coefficients", "degree", "roots"),
-    [
-        ([], 2, None),
-        ([-2, 1], 1, [(2, 1)]),
-        ([-2, 1], 2, [(2, 1), (1, 0)]),
-        ([3], 1, [(1, 0)]),
-        ([0, 0, 1], 2, [(0, 1)]),
-        ([1, 0, 1], 2, None),
-        ([-1, 1, -1, 1], 3, None),
-    ],
-)
-def test_roots_of_a_form_all_or_none(
-    coefficients: list[int], degree: int, roots: list[tuple[int, int]] | None
-) -> None:
-    """-1 is no square modulo these primes."""
-    assert _roots(nmod_poly(coefficients, P), degree) == roots
-
-
-def test_common_roots_with_those_at_infinity() -> None:
-    assert _common_roots([-2, 1, 0], [-4, 0, 1, 0], P) == [(2, 1), (1, 0)]
-    assert _common_roots([-2, 1], [-4, 0, 1, 0], P) == [(2, 1)]
-    assert _common_roots([0, 0], [0, 0], P) is None
-
-
-@pytest.mark.parametrize(
-    ("forms", "coprime"),
-    [
-        ([([-1, 1], 1), ([-2, 1], 1)], True),
-        ([([-1, 1], 1), ([-1, 1], 1)], False),
-        ([([-1, 1], 2), ([-2, 1], 2)], False),  # both are 0 at infinity
-        ([([-1, 1], 1), ([-2, 1], 2)], True),
-        ([([], 1), ([3], 1)], False),
-        ([([-1, 1], 1), ([1, -2, 1], 2), ([-1, 0, 1], 2)], False),
-        ([([2, -3, 1], 2), ([3, -4, 1], 2), ([6, -5, 1], 2)], True),
-    ],
-)
-def test_forms_without_a_common_root(forms: list[tuple[list[int], int]], coprime: bool) -> None:
-    multiples = [(nmod_poly([0, *form], P), degree) for form, degree in forms]
-    assert _coprime(multiples) is coprime

@@ -9,6 +9,7 @@ import mpmath as mp
 import pytest
 
 from rpr_solver import Manipulator, census, eliminate, solve_slice
+from tests.support.sampling import long, sample
 from tests.support.triangle_oracle import corners_of, cusps
 
 ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text())["rows"]
@@ -16,7 +17,7 @@ CLOSE = Fraction(1, 100)
 """Of a length: near a transition the witness may lose cusps."""
 
 
-@pytest.mark.parametrize("row", ROWS[1:3] + ROWS[10::7])
+@pytest.mark.parametrize("row", sample(ROWS[1:3] + ROWS[10::7], 0))
 def test_the_counts_between_transitions(row: dict[str, Any]) -> None:
     manipulator = Manipulator.from_json(row["geometry"])
     found = census(manipulator, digits=20)
@@ -33,7 +34,7 @@ def test_the_counts_between_transitions(row: dict[str, Any]) -> None:
             assert len(cusps(base, platform, length, starts=24)) == count
 
 
-@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("leg", [1, long(2), long(3)])
 @pytest.mark.parametrize("sense", ["ccw", "cw"])
 def test_equilateral_triangles(sense: str, leg: int) -> None:
     """Of one sense they are similar, and no slice has a cusp; else all legs are alike."""
@@ -48,8 +49,7 @@ def test_equilateral_triangles(sense: str, leg: int) -> None:
     ("base", "platform"),
     [
         ({"equilateral": 10}, {"equilateral": "sqrt(3)"}),
-        ({"equilateral": "sqrt(2)"}, {"equilateral": "sqrt(5)"}),
-        ({"sides": ["sqrt(2)", "sqrt(3)", 2]}, {"sides": ["sqrt(5)", "sqrt(7.5)", "sqrt(10)"]}),
+        long({"sides": ["sqrt(2)", "sqrt(3)", 2]}, {"sides": ["sqrt(5)", "sqrt(7.5)", "sqrt(10)"]}),
     ],
 )
 def test_similar_triangles_lose_their_nodes_at_known_lengths(base: Any, platform: Any) -> None:

@@ -6,13 +6,13 @@ from typing import Any
 
 import mpmath as mp
 import pytest
-from flint import arb, ctx, fmpz_poly
+from flint import arb
 from mpmath import mpf
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind, solve_slice
-from rpr_solver.exact.real_roots import ball_of, real_roots
+from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import Jet, LocalMap, Pose
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import Event, EventSystems
 from rpr_solver.transitions.isolated_events import (
     BallEvent,
@@ -20,13 +20,11 @@ from rpr_solver.transitions.isolated_events import (
     _swallowtail,
     events,
     limit_events,
-    positive_roots,
-    stretched_closings,
 )
 from tests.support.definitions import DIGITS, Point, Slices, number, real, same_place
 from tests.support.families import family
 from tests.support.sampling import sample
-from tests.support.shared import eliminant_of, plain_leg
+from tests.support.shared import eliminant_of
 
 INNOCENTI, ZEIN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
 CASES = [(ZEIN, 1), (ZEIN, 3), (INNOCENTI, 1), (family("similar, mirrored"), 2)]
@@ -80,24 +78,6 @@ def test_no_event_has_a_length_of_0_or_less(m: Manipulator, fixed_leg: int) -> N
     assert all(event.scaled_length(BITS) > 0 for event in events_of(m, fixed_leg))
 
 
-def test_each_real_root_is_one_event() -> None:
-    """Half a turn of the fixed leg changes the sign of L: tan θ stands for two directions, one with L > 0."""
-    systems = systems_of(INNOCENTI, 1)
-    for system in (systems.swallowtails, systems.critical):
-        own = [x for x in events_of(INNOCENTI, 1) if isinstance(x, BallEvent) and x.system is system]
-        assert len(own) == len(real_roots(system.eliminant.polynomial))
-
-
-@pytest.mark.parametrize("bits", [64, 300, 2000])
-def test_a_ball_event_is_refined_as_far_as_is_asked(bits: int) -> None:
-    for event in events_of(ZEIN, 1)[::5]:
-        if isinstance(event, BallEvent):
-            length, rough = event.scaled_length(bits), event.scaled_length(64)
-            assert length.rel_accuracy_bits() >= bits - 32
-            assert length.overlaps(rough)
-            assert event.exact_length is None
-
-
 def test_a_ball_event_is_the_same_in_a_number_field() -> None:
     """Of similar triangles: the eliminant of its critical poses has factors of low degree."""
     m, fixed_leg = CASES[3]
@@ -113,32 +93,6 @@ def test_a_ball_event_is_the_same_in_a_number_field() -> None:
         pairs = zip(exact.coordinates(200), event.coordinates(200), strict=True)
         assert all((ball_of(x) if isinstance(x, Fraction) else x).overlaps(y) for x, y in pairs)
     assert {event.kind for event in critical} == {PoseKind.LIPS, PoseKind.BEAK_TO_BEAK}
-
-
-@pytest.mark.parametrize(
-    ("leg", "lengths"),
-    [
-        (plain_leg(3, 0, 10, 0, 1), [7, 13]),
-        (plain_leg(3, 4, 0, 12, 1), [7, 17]),
-        (plain_leg(5, 0, 3, 4, 1), [10]),  # of equal sides: 0 is no length
-        (plain_leg(0, 1, 1, 1, 2), [8**0.5]),
-        (plain_leg(1, 1, 2, 0, 3), [4]),
-        (plain_leg(1, 1, 3, 0, 1), [3 - 2**0.5, 3 + 2**0.5]),
-    ],
-)
-def test_a_leg_closes_while_stretched_at_the_sum_and_the_difference_of_its_sides(
-    leg: Leg, lengths: list[float]
-) -> None:
-    closings = sorted(float(x.scaled_length(64).mid()) for x in stretched_closings(leg))
-    assert closings == pytest.approx(lengths)
-
-
-def test_positive_roots_of_a_polynomial_are_exact_lengths() -> None:
-    [root] = positive_roots(fmpz_poly([-2, 0, 1]))
-    assert (root.exact_length * root.exact_length - 2).is_zero
-    assert [x.exact_length.rational for x in positive_roots(fmpz_poly([-7, 3]))] == [Fraction(7, 3)]
-    assert not list(positive_roots(fmpz_poly([0, 1])))
-    assert not list(positive_roots(fmpz_poly([1, 0, 1])))
 
 
 @pytest.mark.parametrize(("m", "fixed_leg", "limit"), [(ZEIN, 1, 20), (ZEIN, 2, 31), (INNOCENTI, 1, 15)])
@@ -224,11 +178,3 @@ def test_balls_name_a_normal_form_only_where_they_prove_it(
 ) -> None:
     local = jets(f, g)
     assert (_swallowtail(local), _critical(local)) == (swallowtail, critical)
-
-
-def test_balls_that_are_too_wide_name_nothing() -> None:
-    local = jets(X, {(0, 3): 1, (2, 1): 1})
-    with ctx.workprec(64):
-        wide = Jet.build(4, lambda i, j: local.g.table[i][j] + arb(0, 8))
-    assert _critical(LocalMap(local.slice_map, local.pose, local.f, wide)) is None
-    assert _swallowtail(LocalMap(local.slice_map, local.pose, local.f, wide)) is None

@@ -2,40 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from itertools import groupby, pairwise
+from itertools import groupby
 
 import pytest
 from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator, census, solve_slice
+from rpr_solver import EXAMPLES, Manipulator, census
 from rpr_solver.contract import silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import aspect_cells
 from rpr_solver.singular.sweep import sweep
 from rpr_solver.transitions.event_systems import Event, EventSystems, Landmark
-from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events
+from rpr_solver.transitions.isolated_events import events
 from rpr_solver.transitions.survey import (
-    LimitEvents,
     Survey,
     _bounds,
-    _gap,
-    _is_image,
     grouped,
     survey,
 )
-from rpr_solver.transitions.symmetries import symmetries
 from tests.support.families import family
 from tests.support.number_fields import BOTH, RATIONALS, ROOT_TWO, in_both
-from tests.support.shared import census_of, eliminant_of
+from tests.support.shared import census_of
 
 
 def rational(x: Fraction | int) -> Landmark:
@@ -101,14 +95,6 @@ def test_lengths_that_are_neither_equal_nor_apart_are_refused() -> None:
     assert len(grouped([Blurred(exact_length=RATIONALS(1)), rational(1)])) == 1
 
 
-@pytest.mark.parametrize(("m", "fixed_leg"), [(EXAMPLES["zein-flat"], 1), (family("isosceles"), 1)])
-def test_events_of_asymmetric_slices_have_lengths_of_their_own(m: Manipulator, fixed_leg: int) -> None:
-    """Isosceles triangles too, where the leg that is held is not at the apex."""
-    assert symmetries(SliceMap.of(m, fixed_leg)) == ()
-    groups = grouped(events_of(m, fixed_leg))
-    assert all(len(group) == 1 for group in groups)
-
-
 def test_mirror_images_stand_together() -> None:
     """Held at the apex: each event off the mirror has an image, at the same length and of the same kind."""
     m = family("isosceles")
@@ -129,20 +115,6 @@ def test_mirror_images_stand_together() -> None:
     assert len(set(lengths)) == len(lengths)
 
 
-def test_a_mirror_image_is_one_event_and_no_other() -> None:
-    own = events_of(family("isosceles"), 3)
-    [first, second] = next(group for group in grouped(own) if len(group) == 2)
-    assert isinstance(first, BallEvent)
-    assert isinstance(second, BallEvent)
-    mirror = symmetries(SliceMap.of(family("isosceles"), 3))[0]
-    assert _is_image(mirror, first, second)
-    assert _is_image(mirror, second, first)
-    assert not _is_image(mirror, first, first)
-    assert not _is_image(mirror, replace(first, kind=PoseKind.HIGHER), second)
-    others = (x for x in own if isinstance(x, BallEvent) and x not in (first, second))
-    assert not any(_is_image(mirror, first, x) for x in others)
-
-
 TWINS = [
     (Manipulator(*map(Fraction, ("22.5", "-6.3", "-8.4", "15", "20", "7"))), 1),
     (Manipulator(*map(Fraction, (5, 0, 12, 5, 12, 13)), orientation="cw"), 3),
@@ -157,20 +129,6 @@ def test_twins_of_less_visible_symmetries_stand_together(m: Manipulator, fixed_l
     assert all(group[0].pose.kind is group[1].pose.kind for group in groups if len(group) == 2)  # type: ignore[union-attr]
 
 
-def test_equal_limits_of_mirrored_legs_are_met_together() -> None:
-    slice_map = SliceMap.of(family("isosceles"), 3)
-    systems = EventSystems.of(slice_map)
-    both = [list(limit_events(systems, leg, Fraction(10**4))) for leg in (slice_map.f, slice_map.g)]
-    assert both[0]
-    groups = grouped([*both[0], *both[1]])
-    assert all(len(group) == 2 for group in groups)
-    first, second = next(pair for pair in groups if all(isinstance(x, BallEvent) for x in pair))
-    assert isinstance(first, BallEvent)
-    assert isinstance(second, BallEvent)
-    unlike = replace(second, system=replace(second.system, limit=None))
-    assert not any(_is_image(symmetry, first, unlike) for symmetry in symmetries(slice_map))
-
-
 ZEIN = EXAMPLES["zein-flat"]
 FOLDED = family("folded flat platform")
 """It has a swallowtail at L1 = 1, a pose that is singular at every length."""
@@ -181,21 +139,12 @@ def surveyed(m: Manipulator, start: Fraction = Fraction(0), stop: Fraction | Non
     return survey(m, 1, silent, start=start, stop=stop)
 
 
-def landmark(x: Fraction) -> Landmark:
-    return Landmark(RATIONALS(x))
-
-
 def lengths_of(result: Survey) -> list[Fraction]:
     """The lengths of the events in the user's unit, to 25 digits."""
     scale = result.eliminant.slice_map.scale
     return [
         Fraction(group[0].scaled_length(256).mid().str(25, radius=False)) / scale for group in result.groups
     ]
-
-
-def decimals(x: Fraction) -> int:
-    """The digits behind the point."""
-    return next(n for n in range(400) if (x * 10**n).denominator == 1)
 
 
 @pytest.mark.parametrize("m", [ZEIN, FOLDED, family("congruent, mirrored")])
@@ -208,22 +157,6 @@ def test_each_slice_lies_strictly_between_its_neighbours(m: Manipulator) -> None
             low, high = (x / scale for x in _bounds(event, 256))
             assert result.slices[k].length < low <= high < result.slices[k + 1].length
     assert result.slices[0].length > 0
-
-
-def test_the_lengths_of_slices_are_short_decimals() -> None:
-    """One digit more than the gap between its neighbours needs, at most."""
-    result = surveyed(ZEIN)
-    ends = [Fraction(0), *lengths_of(result)]
-    for (low, high), table in zip(pairwise(ends), result.slices, strict=False):
-        assert (high - low) * 10 ** decimals(table.length) <= 400 or decimals(table.length) == 0
-    assert decimals(result.slices[-1].length) == 0
-
-
-def test_the_slices_are_those_of_the_eliminant() -> None:
-    result = surveyed(FOLDED)
-    for table in result.slices:
-        assert table.count == solve_slice(eliminant_of(FOLDED), table.length, 20).count
-        assert table.digits == 15
 
 
 @pytest.mark.parametrize("cut", [Fraction(20), Fraction(32), Fraction(1, 100), Fraction(10**6)])
@@ -260,61 +193,6 @@ def test_an_event_right_inside_the_end_of_a_range_is_inside(exponent: int) -> No
     assert table.count == above.count
 
 
-def test_a_narrow_range_has_one_slice() -> None:
-    result = surveyed(ZEIN, Fraction(20), Fraction(20) + Fraction(1, 10**60))
-    [table] = result.slices
-    assert 0 < table.length - 20 < Fraction(1, 10**60)
-
-
-def test_further_lengths_are_looked_at_on_both_sides() -> None:
-    inside, outside = [Fraction(5, 2), Fraction(50)], Fraction(10**4)
-
-    def more(slice_map: SliceMap, _: LimitEvents) -> Iterable[Event]:
-        return [landmark(x * slice_map.scale) for x in (*inside, outside)]
-
-    stop = Fraction(60)
-    result = survey(FOLDED, 1, silent, stop=stop, extra_events=more)
-    assert lengths_of(result) == sorted([*lengths_of(surveyed(FOLDED, stop=stop)), *inside])
-    assert len(result.slices) == len(result.groups) + 1
-
-
-@pytest.mark.parametrize(("m", "method"), [(ZEIN, "events"), (family("congruent, mirrored"), "components")])
-def test_components_take_the_place_of_events_that_are_not_isolated(m: Manipulator, method: str) -> None:
-    found: list[Event] = []
-
-    def more(slice_map: SliceMap, limit_events: LimitEvents) -> Iterable[Event]:
-        found.extend(limit_events(slice_map.f, Fraction(10**6)))
-        return found
-
-    result = survey(m, 1, silent, extra_events=more)
-    assert result.method == method
-    assert found
-    assert len(result.groups) >= (len(found) if method == "events" else 1)
-
-
-def test_progress_grows_to_its_end() -> None:
-    steps: list[tuple[int, int]] = []
-    result = survey(FOLDED, 1, lambda done, total: steps.append((done, total)), digits=15)
-    assert [done for done, _ in steps] == list(range(1, len(steps) + 1))
-    assert steps[-1][0] == steps[-1][1] == 4 + len(result.slices)
-
-
-@pytest.mark.parametrize("exponent", [0, 50, 3000])
-def test_a_gap_is_almost_the_whole_distance(exponent: int) -> None:
-    little = Fraction(1, 10**exponent)
-    below, above = landmark(Fraction(1, 3)), landmark(Fraction(1, 3) + little)
-    low, high = _gap(below, above)
-    assert Fraction(1, 3) <= low < high <= Fraction(1, 3) + little
-    assert high - low > little * Fraction(9, 10)
-    assert _gap(None, below)[0] == 0
-
-
-def test_equal_lengths_have_no_gap() -> None:
-    third = landmark(Fraction(1, 3))
-    with pytest.raises(Unproved, match="could not be separated"):
-        _gap(third, landmark(Fraction(1, 3)))
-
-
 @pytest.mark.parametrize("name", ["zein-flat", "innocenti"])
 def test_the_numbers_are_those_of_slices_at_both_ends_of_an_interval(name: str) -> None:
     whole = census_of(EXAMPLES[name])
@@ -326,12 +204,6 @@ def test_the_numbers_are_those_of_slices_at_both_ends_of_an_interval(name: str) 
         for part in (Fraction(1, 9), Fraction(7, 8)):
             length = start + part * (stop - start)
             assert len(aspect_cells(sweep(slice_map, length * slice_map.scale))) == number
-
-
-def test_an_island_is_an_aspect_of_its_own() -> None:
-    part = census(EXAMPLES["innocenti"], start=26, stop=30, digits=15)
-    assert 3 in part.aspects
-    assert 2 in part.aspects
 
 
 def test_where_events_are_not_isolated_no_number_is_given() -> None:

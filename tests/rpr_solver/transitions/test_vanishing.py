@@ -15,6 +15,7 @@ from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.isolated_events import BallEvent, _located, events
 from rpr_solver.transitions.vanishing import level, vanishes
 from tests.support.families import family
+from tests.support.sampling import long
 
 EQUILATERAL = Manipulator(10, 5, "8.660", "1.732", "1.732", "1.732")
 """An equilateral pair, rounded."""
@@ -83,11 +84,11 @@ def roots(base: list[str], platform: list[str]) -> Manipulator:
         # L of a ball equals an exact length
         (roots(["7", "5.9", "7"], ["16.3", "16.300000000163", "16.3"]), 1),
         # a leg has length 0 where the triangles are nearly congruent
-        (roots(["9.7", "16.53", "17.5"], ["9.7", "16.5299999999998347", "17.5"]), 3),
+        long(roots(["9.7", "16.53", "17.5"], ["9.7", "16.5299999999998347", "17.5"]), 3),
         # a symmetry's image, close to another root
         (Manipulator("7.071067811865475", 0, "7.071067811865475", *SIDES), 1),
         # L is 0 or infinite above roots whose field is small, while the eliminant is long
-        (roots(["sqrt(48)"] * 3, ["3.000000000000000000000000000003", "3", "3"]), 1),
+        long(roots(["sqrt(48)"] * 3, ["3.000000000000000000000000000003", "3", "3"]), 1),
     ],
 )
 def test_beside_a_special_shape_no_event_needs_a_number_field(
@@ -98,7 +99,7 @@ def test_beside_a_special_shape_no_event_needs_a_number_field(
     assert census(m, fixed_leg=leg, digits=15).transitions
 
 
-@pytest.mark.parametrize("exponent", [16, 40])
+@pytest.mark.parametrize("exponent", [16, long(40)])
 def test_beside_an_equilateral_pair_a_census_needs_no_number_field(
     exponent: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,7 +1,4 @@
-import json
 from fractions import Fraction
-from math import lcm
-from pathlib import Path
 from typing import Any
 
 import mpmath as mp
@@ -10,9 +7,7 @@ from flint import arb, ctx
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rpr_solver import InputError, Manipulator
-from rpr_solver.exact.quadratic import QuadraticNumber
-from rpr_solver.model.slice_map import SliceMap
+from rpr_solver import InputError
 from rpr_solver.triangles import (
     CommonFrame,
     Corner,
@@ -21,14 +16,11 @@ from rpr_solver.triangles import (
     own_shapes,
     read_geometry,
 )
-from tests.support.strategies import examples, manipulators
+from tests.support.strategies import examples
 from tests.support.triangle_oracle import corners_of, cusps, wrapped
 from tests.support.triangle_spellings import geometries
 from tests.support.twisted import Slices, article_angle
 
-ROWS = json.loads((Path(__file__).parents[2] / "data" / "irrational.json").read_text(encoding="utf-8"))[
-    "rows"
-]
 BITS = 300
 
 
@@ -74,27 +66,6 @@ def test_both_triangles_have_exact_coordinates_over_one_field(geometry: Geometry
         assert check(read_geometry(geometry.to_json())) == frame
 
 
-@given(manipulators())
-def test_six_rational_numbers_have_the_coordinates_of_the_slices(manipulator: Manipulator) -> None:
-    frame = check(read_geometry(manipulator.to_json()))
-    slice_map = SliceMap.of(manipulator)
-    legs = (slice_map.f, slice_map.g)
-    # both are integers without a common factor, in one unit
-    unit = lcm(
-        *(x.denominator for c in (*frame.base, *frame.platform) for z in (c.x, c.y) for x in (z.a, z.b))
-    )
-    assert (frame.rho, frame.radicand) == (1, slice_map.radicand)
-    assert slice_map.scale % unit == 0 or unit % slice_map.scale == 0
-    for leg, base, platform in zip(legs, frame.base[1:], frame.platform[1:], strict=True):
-        height = platform.y.a if slice_map.radicand == 1 else platform.y.b
-        assert [x * slice_map.scale for x in (base.x.a, base.y.a, platform.x.a, height)] == [
-            leg.ax,
-            leg.ay,
-            leg.m,
-            leg.n,
-        ]
-
-
 @pytest.mark.parametrize(
     ("base", "platform", "rho", "radicand"),
     [
@@ -119,24 +90,6 @@ def test_the_field_is_as_small_as_the_triangles_allow(
     assert (frame.rho, frame.radicand) == (rho, radicand)
 
 
-def test_every_similar_pair_with_a_rational_side_is_rational() -> None:
-    for sides in (["4", "5", "6"], ["4", "sqrt(7)", "sqrt(11)"], ["1.01", "2.5", "1.98"]):
-        for factor in ("0.7", "sqrt(2)"):
-            scaled = [
-                f"{factor}*{side}" if "sqrt" in side else f"{Fraction(side)}*{factor}" for side in sides
-            ]
-            try:
-                platform = read_geometry({"base": {"sides": sides}, "platform": {"sides": scaled}}).platform
-            except InputError:
-                continue
-            frame = check(
-                Geometry(
-                    read_geometry({"base": {"sides": sides}, "platform": {"sides": sides}}).base, platform
-                )
-            )
-            assert frame.radicand == 1 or factor != "0.7"
-
-
 def test_points_of_any_length_have_a_frame_and_long_sides_are_refused() -> None:
     long = [f"0.{3**k * 10**9 + 7}" for k in range(90, 96)]
     points = {"points": [long[:2], long[2:4], long[4:]]}
@@ -159,28 +112,6 @@ def angles_of(geometry: Geometry, length: Fraction, fixed_leg: int = 1) -> list[
     roots = Slices.of(frame, fixed_leg).roots(length)
     balls = [article_angle(root.refined(BITS), frame.axes[0], BITS) for root in roots]
     return sorted(balls, key=lambda ball: float(ball.mid()))
-
-
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["l1"])
-def test_the_eliminant_over_one_field_gives_the_cusps_to_fifty_digits(row: dict[str, Any]) -> None:
-    angles = angles_of(read_geometry(row["geometry"]), Fraction(row["l1"]))
-    known = sorted((cusp["theta1_deg"] for cusp in row["cusps"]), key=float)
-    assert len(angles) == row["count"] == len(known)
-    with ctx.workprec(BITS):
-        assert all(abs(angle - arb(text)) < arb("1e-46") for angle, text in zip(angles, known, strict=True))
-
-
-def test_the_witness_finds_the_cusps_of_the_reference_values() -> None:
-    with mp.workdps(60):
-        for row in ROWS[13::9]:
-            base, platform = corners_of(read_geometry(row["geometry"]))
-            found = cusps(base, platform, mp.mpf(row["l1"]))
-            known = sorted((mp.mpf(cusp["alpha_deg"]), mp.mpf(cusp["theta1_deg"])) for cusp in row["cusps"])
-            assert len(found) == len(known)
-            for pose, cusp in zip(found, known, strict=True):
-                assert all(
-                    abs(x - mp.radians(y)) < mp.mpf(10) ** -46 for x, y in zip(pose, cusp, strict=True)
-                )
 
 
 def agree(geometry: Geometry, length: Fraction) -> bool:
@@ -228,9 +159,3 @@ def test_the_fixed_leg_may_be_any(fixed_leg: int) -> None:
     with mp.workdps(20):
         base, platform = corners_of(Geometry(renumbered(geometry.base), renumbered(geometry.platform)))
         assert number == len(cusps(base, platform, mp.mpf(6))) > 0
-
-
-def test_an_element_of_the_field_multiplies_as_a_number() -> None:
-    x = QuadraticNumber(Fraction(1), Fraction(2), 3)
-    assert x * x == QuadraticNumber(Fraction(13), Fraction(4), 3)
-    assert x - x * 1 == QuadraticNumber(Fraction(0), Fraction(0), 3)

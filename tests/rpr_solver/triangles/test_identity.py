@@ -10,14 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator, cusp_table, poses, table_document
+from rpr_solver import Manipulator
 from rpr_solver.triangles import Geometry, Triangle, near_shapes, own_shapes, read_geometry
 from rpr_solver.triangles.identity import may_be_near
 from rpr_solver.verify.geometry import Geometry as VerifiedGeometry
 from rpr_solver.verify.special_shapes import NEAR, near_claims
 from tests.support.triangle_spellings import geometries
-from worker.answers import JobRequest
-from worker.answers.tables import CUSP_TABLE, content
 
 EXPONENTS = st.sampled_from([1, 2, 3, 4, 5, 8, 12, 16, 30, 40])
 BASE: tuple[Fraction, Fraction, Fraction] = (Fraction(144), Fraction(106), Fraction(130))
@@ -94,46 +92,6 @@ def test_corners_that_nearly_coincide_are_not_taken_for_far() -> None:
     manipulator = Manipulator(1, 1 + 2 * tiny, tiny, 1, "1.5", "1.00000000001")
     shapes = {shape["shape"] for shape in manipulator.identity_json()["near"]}
     assert "isosceles" in shapes
-
-
-@given(geometries())
-def test_questions_and_manipulators_have_one_head(geometry: Geometry) -> None:
-    manipulator = Manipulator.of(geometry)
-    request = JobRequest(CUSP_TABLE, content(manipulator, 15, [Fraction(5)], 1))
-    assert request.identity_json() == manipulator.identity_json()
-    assert request.geometry_hash == manipulator.geometry_hash == read_geometry(request.geometry).geometry_hash
-
-
-def test_exact_and_far_machines_have_no_such_member() -> None:
-    exact = Manipulator(base={"equilateral": 10}, platform={"equilateral": "sqrt(3)"})
-    assert "near" not in exact.identity_json() | EXAMPLES["innocenti"].identity_json()
-    assert exact.remark == EXAMPLES["eighteen-cusps"].remark == ""
-
-
-def test_an_answer_cannot_change_what_the_next_one_says() -> None:
-    manipulator = rounded(16)
-    manipulator.identity_json()["near"][0]["spelling"].clear()
-    assert manipulator.identity_json()["near"][0]["spelling"]["base"] == {"equilateral": "10"}
-
-
-def rounded(digits: int) -> Manipulator:
-    """An equilateral platform in an equilateral base, rounded."""
-    side = rounded_root(Fraction(3), digits)
-    return Manipulator(10, 5, rounded_root(Fraction(75), digits), side, side, side)
-
-
-def test_tables_and_notebooks_begin_with_what_holds_for_the_exact_machine() -> None:
-    manipulator = rounded(16)
-    [table] = cusp_table(manipulator, 5, digits=15)
-    first = str(table).splitlines()[0]
-    assert "no slice has a cusp" in first
-    assert "mode never changes" in first
-    found = poses(manipulator, 5, 6, 7, digits=15)
-    for html in (table._repr_html_(), found._repr_html_(), manipulator._repr_html_()):
-        assert html.index("no slice has a cusp") < html.index("<strong>")
-    assert table_document(manipulator, 5, digits=15)["near"] == found.to_json()["near"]
-    [far] = cusp_table(EXAMPLES["zein-flat"], 5, digits=15)
-    assert str(far).startswith("SliceTable")
 
 
 @given(st.sampled_from(SHAPES), EXPONENTS, st.integers(1, 9), st.integers(2, 5))

@@ -7,13 +7,11 @@ from hypothesis import strategies as st
 
 from rpr_solver.triangles.norms import (
     SquareClass,
-    TooLargeToFactor,
     norm_equation,
     point_over,
     ramified,
     split_square,
     splits,
-    without_squares,
 )
 from tests.support.strategies import rationals
 
@@ -65,19 +63,3 @@ def test_a_point_over_a_quadratic_field_has_the_norm(rho: int, radicand: int, k:
         (x, a), (y, b) = point
         assert x * x + radicand * a * a + rho * (y * y + radicand * b * b) == k
         assert x * a + rho * y * b == 0
-
-
-def test_numbers_with_two_large_primes_are_not_factored() -> None:
-    large = (2**89 - 1) * (2**107 - 1)
-    with pytest.raises(TooLargeToFactor):
-        SquareClass.of(large)
-    assert SquareClass.of(large**2).free == 1
-    assert without_squares(3 * large**2) == 3
-    assert without_squares(large) == large
-
-
-@pytest.mark.parametrize(
-    ("n", "parts"), [(0, (0, 1)), (1, (1, 1)), (75, (5, 3)), (211**2 * 2, (1, 2 * 211**2))]
-)
-def test_squares_of_small_primes_are_split_off(n: int, parts: tuple[int, int]) -> None:
-    assert split_square(n) == parts

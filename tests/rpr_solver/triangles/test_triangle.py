@@ -132,24 +132,3 @@ def test_a_bad_triangle_names_its_corner_side_or_number(value: object, field: st
     problems = {problem.field: problem.message for problem in caught.value.problems}
     assert message in problems[field]
     assert "\n" not in str(caught.value)
-
-
-def test_a_platform_is_named_by_its_own_corners() -> None:
-    with pytest.raises(InputError, match=r"geometry.platform.sides\[2\]: B3B1 = 9 .* B1B2 \+ B2B3 = 7"):
-        read_triangle({"sides": [3, 4, 9]}, "geometry.platform")
-
-
-def test_all_problems_of_a_triangle_are_named_at_once() -> None:
-    with pytest.raises(InputError) as caught:
-        read({"points": [[0, "a"], [1], ["b", 0]]})
-    assert [problem.field for problem in caught.value.problems] == [
-        "geometry.base.points[0][1]",
-        "geometry.base.points[1]",
-        "geometry.base.points[2][0]",
-    ]
-
-
-def test_a_side_may_not_be_longer_than_can_be_read_again() -> None:
-    odd = [f"1/{10**390 + n}" for n in range(6)]
-    with pytest.raises(InputError, match="more than 1600 digits"):
-        read({"points": [odd[:2], odd[2:4], odd[4:]]})

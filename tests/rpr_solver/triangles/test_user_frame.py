@@ -7,7 +7,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver.triangles import Geometry, Surd, UserFrame, read_geometry
-from tests.support.triangle_oracle import corners_of, poses, wrapped
+from tests.support.triangle_oracle import corners_of
 from tests.support.triangle_spellings import geometries
 
 ANGLES = st.integers(-314, 314).map(lambda n: n / 100)
@@ -75,18 +75,3 @@ def test_balls_hold_the_pose() -> None:
         assert y.overlaps(arb(2).sqrt())
         assert (cos + sin).overlaps(arb(0))
         assert y.rad() < arb("1e-50")
-
-
-def test_the_witness_finds_poses_by_their_legs() -> None:
-    spellings: list[dict[str, Any]] = [
-        {"base": {"equilateral": 10}, "platform": {"sides": [6, 7, 5]}},
-        {"base": {"points": [[0, 0], [5, 0], [1, "2*sqrt(7)"]]}, "platform": {"sides": [3, "2*sqrt(2)", 5]}},
-    ]
-    for spelling in spellings:
-        geometry = read_geometry(spelling)
-        with mp.workdps(30):
-            base, platform = corners_of(geometry)
-            for alpha, theta in ((0.3, 1.2), (-2.5, 0.4), (1.9, -2.8)):
-                found = poses(base, platform, legs_of(geometry, alpha, 7 * mp.expj(theta)))
-                assert len(found) in (2, 4, 6)
-                assert any(abs(wrapped(a - alpha)) + abs(wrapped(t - theta)) < 1e-12 for a, t in found)

@@ -49,13 +49,6 @@ def test_the_worst_claim_decides_the_verdict() -> None:
     assert _verification(left, wrong).verdict is Verdict.REFUSED
 
 
-def test_many_claims_of_one_sort_are_named_together() -> None:
-    claims = [open_claim(f"/slices/{n}/count", f"these {n} cusps are all", "") for n in range(3)]
-    assert (
-        _verification(*claims).summary == "NOT VERIFIED: these 0 cusps are all, … (/slices/*/count, 3 times)"
-    )
-
-
 def test_the_answer_has_all_claims_and_where_those_are_that_are_not_proved() -> None:
     answer = _verification(claim_by("/a", "x", lambda: "so"), open_claim("/b", "y", "why")).to_json()
     assert (answer["verdict"], answer["open"], answer["refused"]) == ("not verified", ["/b"], [])

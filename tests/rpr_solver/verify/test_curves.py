@@ -6,11 +6,9 @@ from fractions import Fraction
 from functools import cache
 
 import pytest
-from flint import arb
 
 from rpr_solver import EXAMPLES, Manipulator, cusp_curves
 from rpr_solver.verify.claims import Open
-from rpr_solver.verify.components import components
 from rpr_solver.verify.equations import Lengths, Mechanism
 from rpr_solver.verify.finding import cusps_of
 from rpr_solver.verify.geometry import Geometry
@@ -65,21 +63,6 @@ def test_strands_that_share_a_cusp_between_are_one() -> None:
     assert joined(parts, shared) == [frozenset({(0, 1), (1, 1)}), frozenset({(0, 2), (1, 2)})]
 
 
-def test_components_are_named_by_their_least_node() -> None:
-    import numpy as np
-
-    pairs = np.array([[4, 1, 5], [2, 3, 4]])
-    assert components(6, pairs).tolist() == [0, 1, 2, 1, 2, 2]
-
-
-def test_marks_are_where_their_slices_are() -> None:
-    slab = Slab.of(Lengths(MECHANISM), (Fraction(27), Fraction(31)), [[], []])
-    marks = slab.marks([[[arb(0), arb(0)]], [[arb(1), arb(1)]]], [[arb(0), arb(0), arb(29)]])
-    low, high, event = (mark.box[2] for mark in marks)
-    assert (low, high) == (0, slab.top)
-    assert event.overlaps(high / 2)
-
-
 def test_curves_of_a_window_are_verified_to_their_ends_without_a_certificate() -> None:
     document = curves().part("15", "18", lengths=[Fraction(16), Fraction(17)]).to_json()  # type: ignore[attr-defined]
     assert first_line(document).startswith("VERIFIED: ")
@@ -90,5 +73,6 @@ def test_all_curves_are_verified() -> None:
     assert first_line(curves().to_json()).startswith("VERIFIED: ")  # type: ignore[attr-defined]
 
 
+@pytest.mark.long
 def test_curves_of_degenerate_families_are_named() -> None:
     assert first_line(curves("congruent, mirrored").to_json()).startswith("NOT VERIFIED: ")  # type: ignore[attr-defined]

@@ -137,44 +137,6 @@ def geometry_of(*numbers: Any) -> Geometry:
     return Geometry.of_lengths(numbers[:-1], clockwise=numbers[-1])
 
 
-@given(numbers=GEOMETRIES, point=POINTS, fixed=st.integers(1, 3), beyond=st.booleans())
-def test_functions_are_the_derivatives_of_squared_lengths(
-    numbers: Any, point: tuple[float, float, float], fixed: int, beyond: bool
-) -> None:
-    mechanism = Mechanism(geometry_of(*numbers), fixed)
-    geometry = mechanism.geometry
-    with ctx.workprec(300):
-        alpha, theta, t = map(arb, point)
-        length = (1 / t if beyond else t) * arb(2) ** geometry.size
-        base, platform = geometry.base, geometry.platform
-        space = Lengths(mechanism, beyond=beyond)
-        poses = space.on([alpha, theta, t], 4)
-
-        def square(leg: int, da: arb | int = 0, dt: arb | int = 0) -> arb:
-            end = base[fixed - 1] + length * acb(0, theta + dt).exp()
-            arm = acb(0, alpha + da).exp() * (platform[leg - 1] - platform[fixed - 1])
-            leg_vector = end + arm - base[leg - 1]
-            return (leg_vector * leg_vector.conjugate()).real
-
-        scale = (t if beyond else 1) / arb(2) ** geometry.size
-        for leg, found in poses.lengths.items():
-            expected = length if leg == fixed else square(leg).sqrt()
-            assert found.overlaps(expected)
-            assert found.rad() < arb(1e-40)
-        step = arb(2) ** -60
-        for leg in mechanism.free:
-            q, p = poses.kernel(leg)
-            slope_a = (square(leg, step) - square(leg, -step)) / (2 * step) * scale / arb(2) ** geometry.size
-            slope_t = (square(leg, 0, step) - square(leg, 0, -step)) / (2 * step)
-            slope_t = slope_t * scale / arb(2) ** geometry.size
-            assert abs(p.value - slope_a) < arb(1e-20)
-            assert abs(q.value - slope_t) < arb(1e-20)
-        first, second = mechanism.free
-        (fq, fp), (gq, gp) = poses.kernel(first), poses.kernel(second)
-        lam = arb(1) if beyond else t
-        assert (poses.singular.value * lam).overlaps((fp * gq - fq * gp).value)
-
-
 @given(numbers=GEOMETRIES, point=POINTS, fixed=st.integers(1, 3))
 def test_a_slice_is_that_of_all_lengths(numbers: Any, point: tuple[float, float, float], fixed: int) -> None:
     mechanism = Mechanism(geometry_of(*numbers), fixed)

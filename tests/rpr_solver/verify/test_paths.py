@@ -7,13 +7,10 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, cusp_loop, joint_path, pose_path
 from rpr_solver.verify.claims import Verdict
 from rpr_solver.verify.documents import verify_document
-from rpr_solver.verify.timing import LAWS
 from tests.rpr_solver.verify.forgeries import base, first_line
 from tests.rpr_solver.verify.true_documents import true_document
 from tests.support.families import family
@@ -99,13 +96,6 @@ def test_numbers_of_any_size_are_named_and_not_computed_with() -> None:
         else:
             document["duration"] = change
         assert first_line(document).startswith("REFUSED: ")
-
-
-@given(st.floats(0, 1))
-def test_laws_of_time_are_symmetric_and_ascend(time: float) -> None:
-    for law in LAWS.values():
-        assert abs(law(time) + law(1 - time) - 1) < 1e-12
-        assert law(time / 2) <= law(time) + 1e-15
 
 
 @pytest.mark.long

@@ -14,6 +14,7 @@ from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement, census, c
 from rpr_solver.verify.claims import Verdict
 from rpr_solver.verify.documents import verify_document
 from tests.support.families import family
+from tests.support.sampling import long
 
 Document = dict[str, Any]
 INNOCENTI = EXAMPLES["innocenti"]
@@ -52,7 +53,7 @@ def test_tables_of_any_digits_and_leg_are_verified(digits: int, leg: int) -> Non
     assert verify_document(document).verdict is Verdict.VERIFIED
 
 
-@pytest.mark.parametrize("span", [(None, None), (Fraction("30.9"), None), (None, Fraction(20))])
+@pytest.mark.parametrize("span", [(Fraction("30.9"), None), long((None, None)), long((None, Fraction(20)))])
 def test_censuses_with_open_ends_are_verified(span: tuple[Fraction | None, Fraction | None]) -> None:
     start, stop = span
     document = plain(census(INNOCENTI, start=start or 0, stop=stop, digits=15).to_json())
@@ -65,7 +66,7 @@ def test_a_range_that_begins_beside_a_transition_is_verified() -> None:
     assert verify_document(document).verdict is Verdict.VERIFIED
 
 
-@pytest.mark.parametrize("leg", [1, 2])
+@pytest.mark.parametrize("leg", [1, long(2)])
 def test_censuses_from_where_two_legs_close_are_verified(leg: int) -> None:
     manipulator = family("d1 = a2x")
     document = plain(census(manipulator, digits=15, fixed_leg=leg).to_json())
@@ -79,6 +80,7 @@ def test_censuses_from_where_two_legs_close_are_verified(leg: int) -> None:
     assert verify_document(report).verdict is Verdict.VERIFIED
 
 
+@pytest.mark.long
 def test_a_census_with_a_pose_at_which_both_free_legs_close_is_verified() -> None:
     document = plain(census(family("d1 = a2x"), digits=15, fixed_leg=3, start=4, stop=5).to_json())
     place = [row["kind"] for row in document["transitions"]].index("quadruple")
@@ -87,6 +89,7 @@ def test_a_census_with_a_pose_at_which_both_free_legs_close_is_verified() -> Non
     assert verify_document(forged).verdict is Verdict.REFUSED
 
 
+@pytest.mark.long
 def test_where_more_than_four_poses_coalesce_at_closed_legs_no_quadruple_pose_is_verified() -> None:
     manipulator = Manipulator(6, 3, 7, 6, 5, 5)
     document = plain(census(manipulator, digits=15, fixed_leg=3, start=2, stop=4).to_json())
@@ -102,16 +105,7 @@ def test_events_that_are_near_to_each_other_are_refined() -> None:
     assert verify_document(document).verdict is Verdict.VERIFIED
 
 
-def test_an_event_and_its_image_have_one_length() -> None:
-    document = plain(census(family("isosceles"), digits=15).to_json())
-    verdict = verify_document(document)
-    assert verdict.verdict is not Verdict.REFUSED
-    assert (
-        any(len(row["events"]) == 2 for row in document["transitions"]) or verdict.verdict is Verdict.VERIFIED
-    )
-
-
-@pytest.mark.parametrize("name", ["similar", "congruent", "congruent, mirrored", "both flat"])
+@pytest.mark.parametrize("name", ["similar", long("congruent"), "congruent, mirrored", long("both flat")])
 def test_degenerate_families_are_not_refused(name: str) -> None:
     for document in (
         table_document(family(name), "9", digits=15),
@@ -152,17 +146,9 @@ def _other_digit(row: Document, name: str) -> None:
     row[name] = _digit(row[name])
 
 
-def _swap(rows: list[Any]) -> None:
-    rows[0], rows[1] = rows[1], rows[0]
-
-
 TABLES: dict[str, Callable[[Document], object]] = {
-    "another count": lambda x: x["slices"][0].update(count=8),
     "a cusp less": lambda x: (x["slices"][0]["cusps"].pop(), x["slices"][0].update(count=5)),
-    "a cusp twice": lambda x: x["slices"][0]["cusps"].__setitem__(1, x["slices"][0]["cusps"][0]),
-    "another digit of an angle": lambda x: _other_digit(x["slices"][0]["cusps"][2], "alpha_deg"),
     "another digit of a length": lambda x: _other_digit(x["slices"][1]["cusps"][2], "l3"),
-    "another order": lambda x: _swap(x["slices"][0]["cusps"]),
     "cusps of another slice": lambda x: x["slices"][0].update(l1="14.99"),
     "another fixed leg": lambda x: x["geometry"].update(d3="20.85"),
     "a degenerate pose more": lambda x: x["slices"][0]["degenerate_points"].append(
@@ -209,23 +195,16 @@ def _renamed(document: Document, n: int, kind: str) -> None:
 
 CENSUSES: dict[str, Callable[[Document], object]] = {
     "another number of cusps": lambda x: _recount(x, 2, 6),
-    "a number that does not fit": lambda x: x["intervals"][2].update(count=6),
     "a transition less": lambda x: _without(x, 1),
     "another length": lambda x: _moved(x, 3),
-    "another kind": lambda x: _renamed(x, 1, "beak-to-beak"),
     "lips for a beak-to-beak": lambda x: _renamed(x, 0, "lips"),
-    "several for one kind": lambda x: x["transitions"][0].update(kind="several"),
     "another digit of an event": lambda x: _other_digit(x["transitions"][2]["events"][0], "l2"),
-    "an event twice": lambda x: x["transitions"][0]["events"].append(x["transitions"][0]["events"][0]),
     "another number of aspects": lambda x: x["intervals"][0].update(aspects=2),
     "a wider range": lambda x: (x["range"].update({"from": "26"}), x["intervals"][0].update({"from": "26"})),
     "an endless range": lambda x: (
         x["range"].update(to=None),
         _recount(x, 6, 6),
         x["intervals"][-1].update(to=None),
-    ),
-    "something degenerate": lambda x: x["degenerate"].append(
-        {"kind": "node", "from": "28", "to": "31", "count": 2}
     ),
 }
 
@@ -251,15 +230,9 @@ def _example_elsewhere(document: Document) -> None:
 
 REPORTS: dict[str, Callable[[Document], object]] = {
     "that it is met": lambda x: x.update(passed=True),
-    "that it is met, without violations": lambda x: x.update(passed=True, violations=[]),
     "a cusp less": _fewer,
     "another example": _example_elsewhere,
-    "another digit of an example": lambda x: _other_digit(
-        x["violations"][0]["example"]["cusps"][0], "alpha_deg"
-    ),
     "another limit": lambda x: x["requirement"]["limits"]["l2"].update(max="12"),
-    "no violations": lambda x: x.update(violations=[]),
-    "more cusps found": lambda x: x.update(max_cusps_found=12),
     "a bound of nothing": lambda x: x["requirement"].update(max_cusps=None),
 }
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 
-import numpy as np
 import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.jets import HalfTangent
-from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
 from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.fast.poses import DoubleMap, GuessedPoses
 from rpr_solver.slices.fast.proofs import NearPose, guesses, proved_boxes
 from rpr_solver.slices.reference import SlicePoses
 from tests.support.shared import eliminant_of
@@ -64,48 +60,3 @@ def test_each_box_holds_one_pose(name: str) -> None:
                     )
                 ]
                 assert len(inside) == 1
-
-
-def shifted(guessed: GuessedPoses) -> None:
-    guessed.alpha.add(np.full(len(guessed.length), 1e-9))
-
-
-def far(guessed: GuessedPoses) -> None:
-    guessed.theta.add(np.full(len(guessed.length), 0.5))
-
-
-def undefined(guessed: GuessedPoses) -> None:
-    guessed.alpha.x[:] = np.nan
-
-
-@pytest.mark.parametrize("change", [shifted, far, undefined])
-def test_wrong_guesses_prove_nothing_wrong(
-    change: Callable[[GuessedPoses], None], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    eliminant = eliminant_of(EXAMPLES["zein-flat"])
-    expected = [solve_slice(eliminant, x, 15) for x in LENGTHS[:4]]
-    right = DoubleMap.guessed
-
-    def wrong(self: DoubleMap, *args: object) -> GuessedPoses:
-        guessed = right(self, *args)  # type: ignore[arg-type]
-        change(guessed)
-        return guessed
-
-    monkeypatch.setattr(DoubleMap, "guessed", wrong)
-    _, slices = boxes_of(eliminant)
-    assert change is shifted or not any(slices)
-    solver = SliceSolver(eliminant, LENGTHS[:4], 15)
-    assert [solver.table(k) for k in range(4)] == expected
-
-
-def test_guesses_of_one_pose_twice_are_not_proved() -> None:
-    eliminant = eliminant_of(EXAMPLES["zein-flat"])
-    scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
-    thetas = [(*guess.real[:-1], guess.real[0]) for guess in guesses(eliminant, scaled)]
-    slices = proved_boxes(eliminant, scaled, thetas)
-    assert not any(slices)
-
-
-def test_slices_without_real_roots_need_no_proof() -> None:
-    eliminant = eliminant_of(EXAMPLES["zein-flat"])
-    assert proved_boxes(eliminant, [Fraction(1)], [()]) == [[]]
