@@ -2,6 +2,8 @@
 
     python -m benchmarks.cliffs --machines 600 --seed 1
     python -m benchmarks.cliffs --machines 24 --kind census --kind margin --exponents 16 40
+    python -m benchmarks.cliffs --machines 100 --kind census --out census.ndjson
+    python -m benchmarks.cliffs --pooled *.ndjson
 
 Machines are drawn from twelve special shapes × distances × orders of the corners × spellings (three sides
 of either triangle, roots among them, one of them changed by 10^-exponent of itself; or the article's six
@@ -12,7 +14,8 @@ after 12 seconds of processor time.
 Prints a line for each answer that takes more than 3 seconds, differs from its estimate by more than a
 factor of 4, is cut, fails, or does not say which special shape is near, with its question as an item of a
 batch (`benchmarks.cost --again`). Then the table of shapes and kinds: the median and the longest of the
-times. Then the ratios of times and estimates, and the refusals.
+times. Then for each kind how many took long, were refused, do not say what is near, or have an estimate
+within a factor of 4; and the refusals.
 """
 
 from __future__ import annotations
@@ -20,11 +23,12 @@ from __future__ import annotations
 import argparse
 import json
 import statistics
-from collections import Counter, defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 from math import isqrt
+from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -283,6 +287,88 @@ def _says(shape: Shape, exponent: int, one: Manipulator, document: dict[str, Any
     )
 
 
+@dataclass(frozen=True)
+class Answer:
+    """What one question took: a line of a file.
+
+    Attributes:
+        shape, exponent: beside what, and the distance.
+        kind, request: the question.
+        taken, estimate: seconds.
+        ended: how it ended, as :func:`benchmarks.cost.measured` says, with the reason of a refusal.
+        says: whether it says which special shape is near.
+    """
+
+    shape: str
+    exponent: int
+    kind: str
+    taken: float
+    estimate: float
+    ended: str
+    says: bool
+    request: dict[str, Any]
+
+    @property
+    def ratio(self) -> float:
+        """Of the time and its estimate."""
+        return max(self.taken, LEAST) / self.estimate
+
+    @property
+    def is_priced(self) -> bool:
+        """Whether the estimate is right within a factor; what is refused early takes as little as it can."""
+        return self.ratio < _NEAR and (self.ratio > 1 / _NEAR or self.ended != "answered")
+
+    def __str__(self) -> str:
+        remark = "" if self.says else " (does not say what is near)"
+        item = json.dumps({"kind": self.kind, "request": self.request})
+        times = f"{self.taken:6.2f} s for {self.estimate:.2f}"
+        return f"{times}: {self.shape}, 1e-{self.exponent}, {self.ended}{remark}: {item}"
+
+
+def ask(rng: Random, name: str, kind: str, exponents: Sequence[int], url: str) -> Answer:
+    """Ask a random question of a kind beside a shape."""
+    request = None
+    while request is None:
+        exponent = rng.choice(exponents)
+        spelled, one = machine(rng, SHAPES[name], exponent)
+        body = question(rng, kind, spelled, one)
+        # the service refuses what would cost too much
+        request = None if body is None else read(kind, body)
+    taken, ended, document = measured(request, url, LIMIT)
+    says = document is None or _says(SHAPES[name], exponent, one, document)
+    estimate = max(request.cost.whole, LEAST)
+    return Answer(name, exponent, kind, taken, estimate, ended, says, request=body or {})
+
+
+def report(answers: Sequence[Answer]) -> None:
+    """Print the tables."""
+    names = [name for name in SHAPES if any(one.shape == name for one in answers)]
+    kinds = [kind for kind in KINDS if any(one.kind == kind for one in answers)]
+    print("\nmedian and longest, in seconds")
+    print(" " * 22 + "".join(f"{kind:>16}" for kind in kinds))
+    for name in names:
+        cells = ([x.taken for x in answers if (x.shape, x.kind) == (name, kind)] for kind in kinds)
+        row = (f"{statistics.median(x):8.2f}{max(x):8.2f}" if x else " " * 16 for x in cells)
+        print(f"{name:22}" + "".join(row))
+    heads = ("number", "median", "longest", f"> {LONG:g} s", "> 10 s", "refused", "near missed", "priced")
+    print("\n" + " " * 16 + "".join(f"{head:>12}" for head in heads))
+    for kind in kinds:
+        own = [x for x in answers if x.kind == kind]
+        times = [x.taken for x in own]
+        counts = (
+            sum(x > LONG for x in times),
+            sum(x > 10 for x in times),
+            sum(x.ended != "answered" for x in own),
+            sum(not x.says for x in own),
+            sum(x.is_priced for x in own),
+        )
+        figures = f"{len(own):12}{statistics.median(times):12.2f}{max(times):12.2f}"
+        print(f"{kind:16}{figures}" + "".join(f"{count:12}" for count in counts))
+    for (kind, ended), count in sorted(Counter((x.kind, x.ended) for x in answers).items()):
+        if ended != "answered":
+            print(f"{kind}: {count} {ended}")
+
+
 def main() -> None:
     """Ask, and print what takes long and the table."""
     form = argparse.RawDescriptionHelpFormatter
@@ -294,57 +380,31 @@ def main() -> None:
         "--shape", action="append", choices=SHAPES, help="only this shape; may be given again"
     )
     parser.add_argument("--exponents", type=int, nargs="+", default=EXPONENTS)
+    parser.add_argument("--out", type=Path, help="a file to which each answer is added, a line each")
+    parser.add_argument("--pooled", type=Path, nargs="+", help="print the tables of such files only")
     options = parser.parse_args()
+    if options.pooled:
+        lines = [line for path in options.pooled for line in path.read_text().splitlines()]
+        answers = [Answer(**json.loads(line)) for line in lines]
+        for one in answers:
+            if one.taken > LONG or not one.says or not one.is_priced:
+                print(one)
+        report(answers)
+        return
     load_solver()
-    rng, times = Random(options.seed), defaultdict[tuple[str, str], list[float]](list)
-    ratios, refusals = defaultdict[str, list[float]](list), Counter[tuple[str, str]]()
-    took_by = defaultdict[str, list[float]](list)
+    rng, answers = Random(options.seed), []
     names, kinds = options.shape or list(SHAPES), options.kind or KINDS
     with valkey() as url:
         for number in range(options.machines):
-            name = names[number % len(names)]
-            kind = kinds[number // len(names) % len(kinds)]
-            shape, request = SHAPES[name], None
-            while request is None:
-                exponent = rng.choice(options.exponents)
-                spelled, one = machine(rng, shape, exponent)
-                body = question(rng, kind, spelled, one)
-                # the service refuses what would cost too much
-                request = None if body is None else read(kind, body)
-            took, ended, document = measured(request, url, LIMIT)
-            estimate = max(request.cost.whole, LEAST)
-            times[name, kind].append(took)
-            took_by[kind].append(took)
-            ratio = max(took, LEAST) / estimate
-            ratios[kind].append(ratio)
-            says = document is None or _says(shape, exponent, one, document)
-            if ended != "answered":
-                refusals[kind, ended] += 1
-            is_priced = 1 / _NEAR < ratio < _NEAR
-            if took > LONG or ended != "answered" or not says or not is_priced:
-                item = json.dumps({"kind": kind, "request": body})
-                remark = "" if says else " (does not say what is near)"
-                print(
-                    f"{took:6.2f} s for {estimate:.2f}: {name}, 1e-{exponent}, {ended}{remark}: {item}",
-                    flush=True,
-                )
-    print("\nmedian and longest, in seconds")
-    print(" " * 22 + "".join(f"{kind:>16}" for kind in kinds))
-    for name in names:
-        cells = (times[name, kind] for kind in kinds)
-        row = (f"{statistics.median(x):8.2f}{max(x):8.2f}" if x else " " * 16 for x in cells)
-        print(f"{name:22}" + "".join(row))
-    for kind in kinds:
-        if ratios[kind]:
-            own = sorted(ratios[kind])
-            print(
-                f"{kind}: {len(own)} questions, times over estimates "
-                f"{own[0]:.2f}, {statistics.median(own):.2f}, {own[-1]:.2f}; "
-                f"within {_NEAR}: {sum(1 / _NEAR < x < _NEAR for x in own)}; "
-                f"over {LONG:g} s: {sum(x > LONG for x in took_by[kind])}"
-            )
-    for (kind, ended), count in sorted(refusals.items()):
-        print(f"{kind}: {count} {ended}")
+            name, kind = names[number % len(names)], kinds[number // len(names) % len(kinds)]
+            one = ask(rng, name, kind, options.exponents, url)
+            answers.append(one)
+            if options.out is not None:
+                with options.out.open("a") as file:
+                    file.write(json.dumps(asdict(one)) + "\n")
+            if one.taken > LONG or one.ended != "answered" or not one.says or not one.is_priced:
+                print(one, flush=True)
+    report(answers)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,6 @@ from random import Random
 from typing import Any
 
 from benchmarks.questions import Body, changed, geometry, is_verification, seeds, to_verify
-from rpr_solver.errors import InputError, SolverError
 from service.api.batches import read_item
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
@@ -54,6 +53,7 @@ _LONG = 11  # seconds; whatever is estimated, it is told from what is longer
 _KEPT = 12  # findings of a kind that are changed further
 _DOCUMENTS = 60  # to verify
 _LONGEST_DOCUMENT = 1 << 20  # bytes
+_ENDS = ("answered", "cut", "InputError", "SolverError", "Unproved", "MemoryError")
 _CUT = (signal.SIGXCPU, signal.SIGKILL, signal.SIGALRM)
 
 
@@ -64,7 +64,7 @@ class Finding:
     Attributes:
         ratio: of the measured time and the estimate.
         taken, estimate: seconds.
-        ended: how it ended: `answered`, `cut` at its limit, or the name of an error.
+        ended: how it ended: `answered`, `cut` at its limit, or the name of an error and its message.
         kind, body: the question.
     """
 
@@ -128,9 +128,7 @@ def _compute(request: JobRequest, url: str, cap: float, answer: int) -> None:
                 document = known.document() if isinstance(known, StoredTable) else known
     except BaseException as error:
         taken = time.process_time() - begin
-        ended = type(error).__name__
-        if not isinstance(error, InputError | SolverError):
-            ended += f": {error}"[:200]
+        ended = f"{type(error).__name__}: {error}"[:200]
     text = json.dumps([taken, ended, document])
     if len(text) > _LONGEST_DOCUMENT:
         text = json.dumps([taken, ended, None])
@@ -177,7 +175,7 @@ class Search:
         self.ratios[kind].append(finding.ratio)
         worst = self.worst[kind]
         (heapq.heappush if len(worst) < _KEPT else heapq.heappushpop)(worst, finding)
-        if ended not in ("answered", "cut", "InputError", "SolverError", "Unproved", "MemoryError"):
+        if ended.partition(":")[0] not in _ENDS:
             self.faults.append(finding)
         if self.out is not None:
             with self.out.open("a") as file:

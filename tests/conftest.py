@@ -24,17 +24,24 @@ os.environ["SSL_CERT_DIR"] = str(Path(__file__).parent)
 os.environ.pop("SSL_CERT_FILE", None)
 
 EXPENSIVE = {
-    *("curves", "transitions", "article", "paths", "margins", "cli", "api", "test_design", "test_properties"),
-    *("test_golden", "test_docs", "test_examples", "test_client", "test_documents", "test_constraints"),
+    *("curves", "transitions", "article", "paths", "margins", "figures", "cli", "api", "test_design"),
+    *("test_golden", "test_docs", "test_client", "test_documents", "test_constraints", "test_properties"),
     *("test_degenerate", "test_aspects", "test_eliminant", "test_classify", "test_cusp_table", "test_scan"),
     *("test_forgeries", "test_censuses", "test_checks", "test_cusps", "test_events", "test_tables"),
-    *("test_curves", "test_chains", "test_biform", "test_pose_table", "test_figure_of", "test_questions"),
-    *("test_cost_search", "test_logs", "test_start", "test_toy", "test_public_api", "test_dependencies"),
-    *("test_exclusion", "test_kubernetes", "test_regions", "test_singular_curves", "test_paths"),
-    *("test_shapes", "test_modes", "test_allowed", "test_frames"),
+    *("test_curves", "test_chains", "test_biform", "test_pose_table", "test_questions", "test_logs"),
+    *("test_start", "test_toy", "test_public_api", "test_exclusion", "test_regions", "test_paths"),
+    *("test_singular_curves", "test_shapes", "test_modes", "test_allowed", "test_frames", "test_verdicts"),
+    *("test_shared_joints", "test_irrational_exports", "test_irrational_start", "test_irrational_curves"),
+    *("test_figure", "test_figures", "test_connections", "test_extremes", "test_designs", "test_orders"),
+    *("test_finding", "test_equations", "test_programs", "test_leg_poses", "test_notebook", "test_margins"),
+    *("test_fold_boxes", "test_learning", "test_cut_texts", "test_inventory", "test_workspace"),
+    "test_thresholds",
 }
-"""Directories and files that the quick run leaves out, but for tests marked `quick`; it also leaves out all
-tests with real processes."""
+"""Directories and files that the quick run leaves out: those that cost a second of processor time or more."""
+
+CHEAP = {"test_strands", "test_words"}
+"""Files in such directories that it has all the same, as it has tests marked `quick`, also of real
+processes."""
 
 NIGHTLY = {
     *(
@@ -142,7 +149,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("long") and item.get_closest_marker("timeout") is None:
             item.add_marker(pytest.mark.timeout(0))
-        is_expensive = not EXPENSIVE.isdisjoint({*item.path.parts, item.path.stem})
+        is_expensive = item.path.stem not in CHEAP and not EXPENSIVE.isdisjoint(
+            {*item.path.parts, item.path.stem}
+        )
         if (is_expensive or uses_processes(item)) and item.get_closest_marker("quick") is None:
             item.add_marker(pytest.mark.slow)
 

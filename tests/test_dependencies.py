@@ -17,7 +17,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, table_document
 from service.cli.main import COMMANDS
-from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM, lacking
+from service.errors import OF_THE_SERVICE, OF_THE_SYSTEM
 from service.stack.embedded_valkey import program
 from tests.support.sampling import long
 from tests.test_rooms import statements, tree_of
@@ -130,10 +130,8 @@ from service.cli.main import main
     "program",
     [
         "sys.exit(main(['solve', 'innocenti', '--l1', '27', '--digits', '15', '--format', 'json']))",
-        long("sys.exit(main(['check', 'innocenti', '--l1', '14.98', '--expect-cusps', '6']))"),
         "sys.exit(main(['verify', {table!r}]))",
         "import service.client; service.client.ServiceClient('http://127.0.0.1:1')",
-        long("sys.exit(main(['jobs', '--url', 'http://127.0.0.1:1']) - 3)"),
     ],
 )
 def test_solver_and_clients_need_nothing_of_the_service_nor_of_linux(program: str, tmp_path: Path) -> None:
@@ -150,7 +148,6 @@ def test_solver_and_clients_need_nothing_of_the_service_nor_of_linux(program: st
 @pytest.mark.parametrize(
     ("command", "absent", "said"),
     [
-        long("demo", OF_THE_SERVICE, "pip install -c constraints.txt '.[embedded]'"),
         ("keys list", OF_THE_SERVICE, "pip install -c constraints.txt '.[embedded]'"),
         ("serve", ("fcntl",), "Linux and macOS"),
     ],
@@ -176,20 +173,6 @@ for command in COMMANDS:
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert set(re.findall(r"^usage: rpr-cusps ([\w-]+)", done.stdout, re.MULTILINE)) == set(COMMANDS)
-
-
-@pytest.mark.parametrize(
-    ("module", "said"),
-    [
-        ("fcntl", "run on Linux and macOS"),
-        ("redis.asyncio", r"not installed \(redis\); .*pip install"),
-        ("numpy", None),
-        (None, None),
-    ],
-)
-def test_only_modules_that_a_user_can_do_without_are_explained(module: str | None, said: str | None) -> None:
-    explained = lacking(module)
-    assert explained is None if said is None else re.search(said, explained or "")
 
 
 def test_the_modules_of_the_service_are_those_of_its_extra() -> None:
@@ -236,15 +219,6 @@ def test_every_file_that_is_no_module_is_shipped() -> None:
         assert {p for p in files if p.suffix not in (".py", ".pyc")} <= data
 
 
-def test_the_commands_of_developers_say_what_they_need() -> None:
-    program = "import sys; sys.modules['yaml'] = None; import service.openapi_yaml"
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=False
-    )
-    assert done.returncode == 1
-    assert done.stderr == "python -m service.openapi_yaml is for developers: pip install -e '.[dev]'\n"
-
-
 def test_what_an_extra_brings_is_asked_for_in_a_copy_of_the_repository() -> None:
     """No package of this name is published, so that none may be named to be installed."""
     for folder in ("rpr_solver", "worker", "service", "docs"):
@@ -256,11 +230,7 @@ def test_what_an_extra_brings_is_asked_for_in_a_copy_of_the_repository() -> None
 
 @pytest.mark.parametrize(
     ("command", "absent", "extra"),
-    [
-        ("design innocenti --objective most-cusps --budget 2", "cma", "design"),
-        ("plot innocenti --l1 27 -o {folder}/a.png", "matplotlib", "plot"),
-        ("atlas --count 1 -o {folder}/a.parquet", "pyarrow", "atlas"),
-    ],
+    [("design innocenti --objective most-cusps --budget 2", "cma", "design")],
 )
 def test_a_missing_extra_is_bad_input_with_the_way_to_install_it(
     command: str, absent: str, extra: str, tmp_path: Path

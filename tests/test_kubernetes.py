@@ -29,7 +29,6 @@ VERSION = "1.31"
 MISSING = "needs the extra `dev`"
 
 Resource = dict[str, Any]
-KUSTOMIZATIONS = sorted(FOLDER.rglob("kustomization.yaml"))
 
 
 def listed(folder: Path) -> list[Path]:
@@ -63,13 +62,6 @@ def name(resource: Resource) -> str:
 def get(kind: str, called: str) -> Resource:
     [found] = [r for r in RESOURCES if (r["kind"], r["metadata"]["name"]) == (kind, called)]
     return found
-
-
-def test_every_file_is_part_of_it() -> None:
-    of_kustomizations = {path for file in KUSTOMIZATIONS for path in (file, *listed(file.parent))}
-    assert {path for path in of_kustomizations if path.is_file()} == {
-        path for path in FOLDER.rglob("*") if path.is_file()
-    }
 
 
 @cache

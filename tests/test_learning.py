@@ -31,12 +31,6 @@ console.log(JSON.stringify(JSON.parse(process.argv[2]).map(read)));
 """
 
 
-def test_every_step_has_a_link_into_the_explorer() -> None:
-    steps = re.split(r"^## (?=\d)", PAGE.partition("## Exercises")[0], flags=re.MULTILINE)[1:]
-    assert len(steps) == 6
-    assert all("(http://127.0.0.1:8000/#g=" in step for step in steps)
-
-
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js: apt-get install nodejs")
 def test_the_explorer_understands_every_link(tmp_path: Path) -> None:
     """The page's own module reads it, and writes the same state into the address."""
@@ -129,18 +123,3 @@ def test_three_poses_of_four_merge_on_the_way_to_the_cusp() -> None:
         spreads.append(max(near) - min(near))
     assert spreads == sorted(spreads, reverse=True)
     assert spreads[-1] < 1 < 15 < spreads[0]
-
-
-def test_the_notebook_is_kept_without_answers() -> None:
-    """Those of the reader's version are shown when it is run; here they would only grow old."""
-    book = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
-    assert (book["nbformat"], book["nbformat_minor"]) == (4, 5)
-    ids = [cell["id"] for cell in book["cells"]]
-    assert len(ids) == len(set(ids))
-    code = [cell for cell in book["cells"] if cell["cell_type"] == "code"]
-    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
-    headings = re.findall(r"^## (.+)$", PAGE, re.MULTILINE)[:7]
-    texts = "".join(
-        "".join(cell["source"]) + "\n" for cell in book["cells"] if cell["cell_type"] == "markdown"
-    )
-    assert re.findall(r"^## (.+)$", texts, re.MULTILINE) == headings

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 
@@ -61,9 +60,7 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
     [
         ("import rpr_solver.errors", set()),
         (f"{COMMAND}(['--version'])", set()),
-        (f"{COMMAND}(['serve', '--help'])", set()),  # it first starts the process that loads the service
         (f"{COMMAND}(['check', '--help'])", {"pydantic"}),
-        (f"{COMMAND}(['solve', '--help'])", {"pydantic"}),
         (f"{COMMAND}(['solve', 'innocenti', '--l1', '27'])", {"pydantic", "flint", "rpr_solver.slices"}),
         (
             "import service.api.app; service.api.app.create_app()",
@@ -82,16 +79,3 @@ def test_a_search_loads_nothing_for_plots() -> None:
     modules = loaded("from rpr_solver.designs.search import cma_alone; cma_alone()")
     assert "cma" in modules
     assert modules.isdisjoint({"matplotlib", "scipy.stats"})
-
-
-def test_nothing_is_computed_while_tests_are_collected() -> None:
-    """Each process that runs tests reads all their files."""
-    calls = "census|check|cusp_curves|cusp_loop|design|joint_path|margin|pose_path|singular_curves"
-    computed = re.compile(rf"^[A-Z][A-Z_, ]*(?:: [^=]+)? = .*\b(?:\w+_)?(?:{calls})\(.*$", re.MULTILINE)
-    found = {
-        f"{path.relative_to(ROOT)}: {line}"
-        for path in (ROOT / "tests").rglob("*.py")
-        for line in computed.findall(path.read_text(encoding="utf-8"))
-        if " = lambda" not in line
-    }
-    assert found == set()

@@ -120,12 +120,6 @@ def test_the_wheel_says_what_it_is(wheel: Path) -> None:
 
 
 @long
-def test_the_same_source_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
-    [again] = built(tmp_path, "--wheel").glob("*.whl")
-    assert again.read_bytes() == wheel.read_bytes()
-
-
-@long
 def test_a_commit_gives_one_wheel_and_one_sdist_that_name_it(tmp_path: Path) -> None:
     """The wheel by way of the sdist; at any time, from any clone, and whatever its owner lets others do."""
     built_files: list[dict[str, bytes]] = []
@@ -273,12 +267,3 @@ def test_the_citation_is_of_this_version() -> None:
     assert citation["keywords"] == PROJECT["keywords"]
     [article] = citation["references"]
     assert article["title"] in (ROOT / "README.md").read_text(encoding="utf-8").replace("\n", " ")
-
-
-@long
-def test_the_citation_is_valid(tmp_path: Path) -> None:
-    """By the checker of the format, in an environment of its own: it needs old libraries."""
-    venv.create(tmp_path / "venv", with_pip=True)
-    programs = tmp_path / "venv" / "bin"
-    run(programs / "pip", "install", "--quiet", "cffconvert==2.0.0", cwd=tmp_path)
-    assert "valid" in run(programs / "cffconvert", "--validate", "-i", ROOT / "CITATION.cff", cwd=tmp_path)

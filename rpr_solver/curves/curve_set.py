@@ -317,7 +317,7 @@ def cusp_curves(
 
     Raises:
         InputError: naming ``manipulator``, ``fixed_leg`` or ``digits``.
-        SolverError: a transition could not be decided, or a cusp not followed.
+        SolverError: a transition could not be decided, or a cusp not followed; or that would take too long.
 
     >>> from rpr_solver import EXAMPLES
     >>> curves = cusp_curves(EXAMPLES["zein-flat"], digits=15)
@@ -331,6 +331,7 @@ def cusp_curves(
     )
     tracker, steps = Tracker(result.eliminant, digits, result.tables), len(result.slices)
     total = ELIMINATION_STEPS + 2 * steps
+    tracker.refuse_too_much([(slice_.length, slice_.count) for slice_ in result.slices])
     named = tracks(result, tracker, lambda done, _: report(total - steps + done, total))
     cuts = [_end(result, k, digits) for k in range(len(result.groups))]
     ends = [CurveEnd("0", LengthKind.OPEN), *cuts, CurveEnd(None, LengthKind.OPEN)]

@@ -13,9 +13,10 @@ it contains that one (mathematics.md#tubes-of-cusps); nothing is decided by prox
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from math import log
 
 from flint import arb, ctx
 
@@ -124,12 +125,36 @@ _TOO_MUCH = (
     "the cusps could not be followed within a bound of work: slices with different numbers of cusps are too "
     "close to each other, as those of a manipulator that nearly has a special shape"
 )
-_MOST_WORK = 2000
-"""The greatest work between all slices of a survey, or between two others: four to seven seconds. All curves
+_MOST_WORK = 2400
+"""The greatest work between all slices of a survey, or between two others: five to eight seconds. All curves
 of a manipulator with 18 cusps take 400; beside a special shape most take 400 to 1,800."""
+_MOST_EXPECTED = 1600
+"""The greatest work that is begun. It takes 0.8 to 1.7 times as much as is expected, seldom three times."""
+_WORK, _WORK_OF_GROWTH, _WORK_OF_CLOSENESS = 150, 4.5, 7.0
+"""What is expected in any case; for each cusp while L grows by a factor of e; and for each birth or death of
+two cusps in a gap, for each factor of e by which the gap is less than its length."""
 
 Cusp = tuple[Fraction, int]
 """A cusp by the length of its slice and its index in the table, from 0."""
+
+
+def expected_work(counts: Sequence[tuple[Fraction, int]]) -> float:
+    """About the work of all cusps between slices, from their lengths, ascending, and numbers of cusps.
+
+    A tube reaches so far in proportion to L, and where two transitions are close to each other, in proportion
+    to what is left to them. So cusps pass from size to size by many tubes, beside special shapes over as many
+    decades as they are near.
+    """
+    work = float(_WORK)
+    for (low, below), (high, above) in pairwise(counts):
+        growth, closeness = _log(high / low), -_log((high - low) / high)
+        work += _WORK_OF_GROWTH * growth * min(below, above)
+        work += _WORK_OF_CLOSENESS * closeness * abs(above - below) / 2
+    return work
+
+
+def _log(x: Fraction) -> float:
+    return log(x.numerator) - log(x.denominator)
 
 
 class Tracker:
@@ -148,6 +173,15 @@ class Tracker:
             above - below < _CLOSE * above or below < _CLOSE * above for below, above in pairwise(lengths)
         )
         self._patience = _NEAR_PATIENCE if is_near else _PATIENCE
+
+    def refuse_too_much(self, counts: Sequence[tuple[Fraction, int]]) -> None:
+        """Refuse to follow cusps between slices, with their numbers of cusps, if it would take too long.
+
+        Raises:
+            Unproved: it would.
+        """
+        if expected_work(counts) > _MOST_EXPECTED:
+            raise Unproved(_TOO_MUCH)
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
         """The table of a slice, cached."""

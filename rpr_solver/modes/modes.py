@@ -52,7 +52,7 @@ from rpr_solver.modes.wide_regions import WideRegions
 from rpr_solver.paths import by_leg
 from rpr_solver.paths.between_poses import joint_path
 from rpr_solver.paths.clearances import with_clearance
-from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
+from rpr_solver.paths.loops import TooLong, loop_in_slice, slice_for_loops
 from rpr_solver.paths.path import Path
 from rpr_solver.paths.pose_boxes import LegsInBalls
 from rpr_solver.paths.proofs import BEST
@@ -455,9 +455,14 @@ class _Question:
             except SolverError:
                 continue
             for number, cusp in enumerate(table.cusps, 1):
-                if self._keeps(cusp.coordinates[2:]):
-                    with suppress(InputError, SolverError):
-                        yield loop_in_slice(eliminant, table, number, terms, self.manipulator)
+                if not self._keeps(cusp.coordinates[2:]):
+                    continue
+                try:
+                    yield loop_in_slice(eliminant, table, number, terms, self.manipulator)
+                except TooLong:  # so are those round other cusps of the slice
+                    break
+                except (InputError, SolverError):
+                    continue
 
     def _keeps(self, texts: Sequence[str]) -> bool:
         """Whether free legs seem to keep the limits."""

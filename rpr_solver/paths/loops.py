@@ -22,6 +22,7 @@ x(y) = b s² − (β + κ + b) y², where b has the sign of κ, leads from y = s
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -48,8 +49,9 @@ from rpr_solver.paths.proofs import (
     PathLimits,
     PathProof,
     ProvedRoute,
+    Unfinished,
+    finished_route,
     outside,
-    proved_route,
 )
 from rpr_solver.paths.question import PathOptions, PathTerms
 from rpr_solver.paths.routes import Angles, Arc, DecimalPose, Image, IsolatedPose, Route, expanded, local_map
@@ -117,6 +119,9 @@ class CuspFrame:
 CUSP_DIGITS = 60
 """The digits of the cusps from which loops are searched."""
 _LARGEST, _RATIO, _SMALLEST = 1.0, 0.7, 1e-8
+_LEAST_RATIO = 1e-4
+"""By which the size shrinks at most. The pieces of a long leg's loop are about as its root, so that the share
+of a loop that is proved says by how much."""
 _WIDTHS = (4, 3, 2)
 _PROBES = 24
 _LEG_ACCURACY, _ANGLE_ACCURACY = 0.1, 0.01
@@ -240,6 +245,10 @@ def loop_in_range(report: CheckReport) -> Path | None:
     return None
 
 
+class TooLong(Unproved):
+    """No loop was proved, and some would take too many pieces, as where legs are far longer than sides."""
+
+
 class _Search:
     """The search for the largest loop round one cusp of a slice."""
 
@@ -267,14 +276,24 @@ class _Search:
             self.frame = CuspFrame.at(self.slice_map, self.length_ball, (alpha * degree, theta * degree))
             self.centres = [self._image(point) for point in (self.point, *self.others)]
             self._check_limits()
-            for route in self._routes():
-                [arc] = route.at(PROOF_BITS - 64)
-                if self._promises(arc, self._limits(route)):
-                    proof = self._proof(route)
+            size, refusal = _LARGEST, Unproved
+            # Invariant: sizes fall, by a share of 0.7 at least; none below the smallest is tried.
+            while size > _SMALLEST:
+                shrink = _RATIO
+                for route in self._routes(size):
+                    [arc] = route.at(PROOF_BITS - 64)
+                    if not self._promises(arc, self._limits(route)):
+                        continue
+                    try:
+                        proof = self._finished(route)
+                    except Unfinished as cut:
+                        shrink, refusal = max(_LEAST_RATIO, _RATIO**2 * cut.share**2), TooLong
+                        break
                     if proof is not None:
                         return route, proof
+                size *= shrink
         within = " within the limits" if self.bounds else ""
-        raise Unproved(f"no loop round cusp {self.cusp}{within} could be proved")
+        raise refusal(f"no loop round cusp {self.cusp}{within} could be proved")
 
     def widened(self, known: ProvedRoute, asked: Fraction) -> tuple[ProvedRoute, Clearance]:
         """A loop that keeps farther from J = 0, if one is found; ``asked`` is the clearance it must have.
@@ -292,7 +311,17 @@ class _Search:
 
     def _proof(self, route: Route) -> PathProof | None:
         """The proof that a route is a loop round the cusp and its twins alone, within the limits."""
-        found = proved_route(route, self.frame.sign, self._limits(route), self.centres)
+        with suppress(Unfinished):
+            return self._finished(route)
+        return None
+
+    def _finished(self, route: Route) -> PathProof | None:
+        """The same.
+
+        Raises:
+            Unfinished: it takes too many pieces.
+        """
+        found = finished_route(route, self.frame.sign, self._limits(route), self.centres)
         return found[1] if found is not None and self._winds(found[1].windings) else None
 
     def _check_limits(self) -> None:
@@ -340,19 +369,16 @@ class _Search:
         first, second = (_ball(text, self.digits) * scale for text in point.coordinates[2:])
         return first * first / 2, second * second / 2
 
-    def _routes(self) -> Iterator[Route]:
-        """Candidates, the largest first."""
-        size = _LARGEST
-        while size > _SMALLEST:
-            ends = self._ends(size)
-            for width in _WIDTHS:
-                if ends is None:
-                    break
-                alpha, theta = self.frame.middle(arb(size), arb(width))
-                degrees = [decimal_near(x * 180 / arb.pi(), size * _ANGLE_ACCURACY) for x in (alpha, theta)]
-                middle = DecimalPose(degrees[0], degrees[1], self.length)
-                yield Route(*ends, ((None, middle, None),))
-            size *= _RATIO
+    def _routes(self, size: float) -> Iterator[Route]:
+        """Candidates of one size, the widest first."""
+        ends = self._ends(size)
+        if ends is None:
+            return
+        for width in _WIDTHS:
+            alpha, theta = self.frame.middle(arb(size), arb(width))
+            degrees = [decimal_near(x * 180 / arb.pi(), size * _ANGLE_ACCURACY) for x in (alpha, theta)]
+            middle = DecimalPose(degrees[0], degrees[1], self.length)
+            yield Route(*ends, ((None, middle, None),))
 
     def _ends(self, size: float) -> tuple[IsolatedPose, IsolatedPose] | None:
         """The two outer poses of a joint vector of short decimals near the axis of the cusp."""

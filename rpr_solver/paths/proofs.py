@@ -17,6 +17,7 @@ both free legs may at least change together before the pose meets a fold.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -24,6 +25,7 @@ from typing import TypeAlias
 
 from flint import acb, arb, ctx
 
+from rpr_solver.errors import ControlFlow
 from rpr_solver.exact.decimals import rounded_down
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
@@ -178,12 +180,27 @@ class PathProof:
 ProvedRoute: TypeAlias = tuple[Route, PathProof]
 
 
+class Unfinished(ControlFlow):
+    """Control flow between modules: a proof takes too many pieces.
+
+    Attributes:
+        share: how much of the last arc was proved.
+    """
+
+    def __init__(self, share: float) -> None:
+        super().__init__(share)
+        self.share = share
+
+
+_MOST_PIECES = 4000
+
+
 def prove(
     slice_map: SliceMap,
     arcs: Sequence[Arc],
     sign: int,
     centres: Sequence[Image] = (),
-    most_pieces: int = 4000,
+    most_pieces: int = _MOST_PIECES,
     limits: PathLimits = NO_LIMITS,
     at_ends: tuple[bool, bool] = (True, True),
 ) -> PathProof | None:
@@ -193,6 +210,26 @@ def prove(
     ``at_ends`` says whether the first point is the start of the path, and the last one its end. Returns None
     if J changes its sign, the image meets a centre, a leg exceeds its limits, or the balls do not decide it.
     """
+    try:
+        return _proof(slice_map, arcs, sign, centres, most_pieces, limits, at_ends)
+    except Unfinished:
+        return None
+
+
+def _proof(
+    slice_map: SliceMap,
+    arcs: Sequence[Arc],
+    sign: int,
+    centres: Sequence[Image],
+    most_pieces: int,
+    limits: PathLimits,
+    at_ends: tuple[bool, bool],
+) -> PathProof | None:
+    """As :func:`prove`.
+
+    Raises:
+        Unfinished: it takes more pieces.
+    """
     pieces, turns, least = 0, [arb(0)] * len(centres), arb("+inf")
     for arc, is_start, is_stop in _with_ends(arcs, at_ends):
         stack = _first_pieces()
@@ -201,9 +238,10 @@ def prove(
             tau, half = stack.pop()
             pieces += 1
             near = expanded(slice_map, arc, tau, 1)
-            is_refuted = near.singularity[0] * sign < 0 or limits.exclude((near.first[0], near.second[0]))
-            if is_refuted or pieces > most_pieces:
+            if near.singularity[0] * sign < 0 or limits.exclude((near.first[0], near.second[0])):
                 return None
+            if pieces > most_pieces:
+                raise Unfinished(float(tau.mid()) - half)
             wide = expanded(slice_map, arc, arb(tau, half), 2)
             radius = arb(half)
             value = bounded(near.singularity, wide.singularity, radius) * sign
@@ -239,8 +277,23 @@ def proved_route(
     Raises:
         Unproved: a pose at an end cannot be refined so far.
     """
+    with suppress(Unfinished):
+        return finished_route(route, sign, limits, centres)
+    return None
+
+
+def finished_route(
+    route: Route, sign: int, limits: PathLimits, centres: Sequence[Image]
+) -> ProvedRoute | None:
+    """As :func:`proved_route`.
+
+    Raises:
+        Unproved: a pose at an end cannot be refined so far.
+        Unfinished: the proof takes too many pieces.
+    """
     with ctx.workprec(PROOF_BITS):
-        proof = prove(route.slice_map, route.at(PROOF_BITS - 64), sign, centres, limits=limits)
+        arcs = route.at(PROOF_BITS - 64)
+        proof = _proof(route.slice_map, arcs, sign, centres, _MOST_PIECES, limits, (True, True))
     return None if proof is None else (route, proof)
 
 

@@ -45,19 +45,16 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.pose_table import poses
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, Pictured, draw
+from rpr_solver.sensed.angles import ANGLES, LEAST, read_tolerance
 from rpr_solver.sensed.closure import Candidate, Curve, Legs, Pair, candidates
 from rpr_solver.sensed.reals import GREATEST_BITS, Reals
 from rpr_solver.triangles import UserFrame
 from rpr_solver.triangles.surds import Surd
 from rpr_solver.workspaces.tower import Open
 
-ANGLES = ("angle1", "angle2", "angle3")
-"""The names of the legs' angles."""
 _FIRST_BITS = 128
 _OFF_DIGITS = 6
 """Significant digits of differences of angles."""
-LEAST = 3
-"""So many data determine a pose, up to a finite number."""
 
 
 @dataclass(frozen=True)
@@ -222,21 +219,6 @@ def read_sensed(lengths: Mapping[str, Exact], angles: Mapping[str, Exact]) -> di
             "angles", f"make {len(own) + len(turns)} data with the lengths; a pose needs three"
         )
     return {**own, **turns}
-
-
-def read_tolerance(tolerance: Exact | None, *, is_needed: bool) -> Fraction | None:
-    """The tolerance of angles in degrees.
-
-    Raises:
-        InputError: naming ``angle_tolerance_deg``: it is missing, or not > 0.
-    """
-    if tolerance is None:
-        if is_needed:
-            raise InputError.of(
-                "angle_tolerance_deg", "is missing; more than three data agree only within one"
-            )
-        return None
-    return parse_positive(tolerance, "angle_tolerance_deg", "a tolerance must be > 0")
 
 
 @dataclass(frozen=True)

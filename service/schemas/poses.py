@@ -20,7 +20,7 @@ from pydantic import (
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE, LEGS
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.sensed.sensed_poses import ANGLES, LEAST, read_tolerance
+from rpr_solver.sensed.angles import ANGLES, LEAST, read_tolerance
 from service.schemas.answers import (
     CSV,
     JSON,

@@ -16,7 +16,7 @@ from pydantic import (
 )
 
 from rpr_solver import MIN_DIGITS, exact_str
-from rpr_solver.workspaces.workspace import orientation, orientations, workspace_limits
+from rpr_solver.workspaces.question import orientation, orientations, workspace_limits
 from service.schemas.answers import (
     CSV,
     JSON,

@@ -6,15 +6,13 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
 import pytest
 
-from service.stack.embedded_valkey import runtime_dir
-from tests.support.processes import PATIENCE, Workers, completed, environment, started
-from tests.support.service_server import GEOMETRY, NO_WAIT
+from tests.support.processes import PATIENCE, completed, environment, started
 
 
 def command(data: Path, *arguments: str) -> list[str]:
@@ -69,43 +67,6 @@ def test_without_keys_only_by_the_operators_word(tmp_path: Path) -> None:
         assert httpx.get(f"{base}/v1/limits").status_code == 200
         assert process.stderr is not None
         assert "no keys are required: anyone who reaches 0.0.0.0 port" in process.stderr.readline()
-
-
-def test_a_name_to_listen_on(tmp_path: Path) -> None:
-    """`serve --host NAME` listens on a name. Requests to that name are answered; requests to another name are
-    421."""
-    with running(tmp_path, "--host", "127.1") as (base, _):
-        port = base.rpartition(":")[2]
-        for host, status in ((f"127.1:{port}", 200), (f"127.2:{port}", 421)):
-            assert httpx.get(f"{base}/v1/version", headers={"Host": host}).status_code == status
-
-
-def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
-    """A client with a key cancels a job that one with another key waits for, whether it asked for it, too, or
-    not. The job continues, and the other client gets its answer."""
-    data, question = tmp_path / "data", {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
-    create = [sys.executable, "-m", "service", "keys", "create", "--data-dir", str(data)]
-    keys = [
-        completed([*create, name], environment()).stdout.strip() for name in ("owner", "other", "stranger")
-    ]
-    with running(data) as (base, process), ExitStack() as stack:
-        owner, other, stranger = (
-            stack.enter_context(
-                httpx.Client(base_url=base, timeout=PATIENCE, headers={"Authorization": f"Bearer {key}"})
-            )
-            for key in keys
-        )
-        other.post("/v1/cusp-tables", json=question, headers=NO_WAIT)
-        first = owner.post("/v1/cusp-tables", json=question, headers=NO_WAIT).json()
-        for client in (other, stranger):
-            client.delete(first["links"]["self"])
-            assert owner.get(first["links"]["self"]).json()["status"] == "queued"
-        workers = Workers(f"unix://{runtime_dir(data)}/valkey.sock", tmp_path / "log")
-        workers.start()
-        answer = owner.post("/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"})
-        assert answer.json()["slices"][0]["count"] == 6
-        workers.stop()
-        assert process.poll() is None
 
 
 def test_a_page_of_another_site_cannot_use_a_local_service(local: str) -> None:

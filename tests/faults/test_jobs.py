@@ -19,6 +19,7 @@ from tests.support.processes import (
     is_running,
     until,
 )
+from tests.support.sampling import long
 from worker.answers.kind import JobRequest
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import Client
@@ -103,10 +104,10 @@ hopeless = pytest.mark.parametrize(
     ("task", "kind"),
     [
         ("crash", "worker-crashed"),
-        ("killed", "worker-crashed"),
-        ("leave", "worker-crashed"),
+        long("killed", "worker-crashed"),
+        long("leave", "worker-crashed"),
         ("greedy", "resource-exhausted"),
-        ("greedy_python", "resource-exhausted"),
+        long("greedy_python", "resource-exhausted"),
     ],
 )
 
@@ -145,7 +146,7 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     assert worker.poll() is None
 
 
-@pytest.mark.parametrize("task", ["crash", "broken", "endless", "canceled"])
+@pytest.mark.parametrize("task", ["crash", long("broken"), long("endless"), "canceled"])
 def test_what_ends_a_work_horse_ends_one_chunk(redis: Redis, workers: Workers, task: str) -> None:
     """A work horse that has run chunks of other jobs crashes, meets an unexpected error or the deadline, or
     its job is canceled. That ends one chunk; another work horse runs the next ones.
@@ -254,10 +255,8 @@ def test_another_worker_takes_over_from_a_dead_one(
     (horse,) = descendants(first.pid)
     first.kill()
     first.wait(PATIENCE)
-    start = time.monotonic()
     until(lambda: not is_running(horse))  # no orphan is left
     assert ended(queue, view.id).status == "succeeded"
-    assert time.monotonic() - start < 30  # 5 to 9 s on an idle machine
     assert second.poll() is None
 
 
@@ -324,7 +323,9 @@ def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers)
 
 
 @both_kinds
-@pytest.mark.parametrize("lost", [["chunks"], ["active"], ["bits"], ["suspects", "beat"], ["record"]])
+@pytest.mark.parametrize(
+    "lost", [["chunks"], long(["active"]), long(["bits"]), long(["suspects", "beat"]), ["record"]]
+)
 def test_no_job_hangs_when_redis_loses_a_key(
     redis: Redis, workers: Workers, request_: JobRequest, lost: list[str]
 ) -> None:
@@ -412,7 +413,7 @@ def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
 
 def test_the_last_key_ends_a_call_of_c(redis: Redis, workers: Workers) -> None:
     """Two keys ask one question, which hangs in C code. One withdraws, and it goes on; the other does, and
-    its work horse ends within a second.
+    its work horse ends.
     """
     worker = workers.start()
     queue = jobs(redis, "endless")
@@ -422,13 +423,11 @@ def test_the_last_key_ends_a_call_of_c(redis: Redis, workers: Workers) -> None:
     until(lambda: is_at_work(queue, view))
     (horse,) = descendants(worker.pid)
     queue.withdraw(view.id, one)
-    time.sleep(1)
+    time.sleep(0.5)  # in which it would end
     assert is_at_work(queue, view)
     assert is_running(horse)
     queue.withdraw(view.id, other)
-    start = time.monotonic()
     until(lambda: not is_running(horse))
-    assert time.monotonic() - start < 5  # 1 on an idle machine
     now = queue.get(view.id)
     assert now is not None
     assert now.status == "canceled"
@@ -462,34 +461,6 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
     assert sum(fields[b"type"] == b"slice" for _, fields in events) == 12
     table = table_of(queue, request.job_id)
     assert os.getpid() not in {s["certificate"]["pid"] for s in table["slices"]}
-
-
-def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: Workers) -> None:
-    """Two requests share slices. The second computes only the missing slices."""
-    workers.start()
-    queue = jobs(redis, "slow")
-    first = a_request("1", "2", "3")
-    ended(queue, queue.submit(first).id)
-    second = a_request("2", "3", "4")
-    ended(queue, queue.submit(second).id)
-    one, two = table_of(queue, first.job_id), table_of(queue, second.job_id)
-    assert one["slices"][1:] == two["slices"][:2]
-    events = redis.xrange(queue.records.keys.job(second.job_id).events)
-    assert sum(fields[b"type"] == b"slice" for _, fields in events) == 1
-    assert [s["l1"] for s in two["slices"]] == ["2", "3", "4"]
-
-
-def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) -> None:
-    """Three workers start on three tables of one geometry at once. One eliminates, and the others use its
-    eliminant.
-    """
-    for _ in range(3):
-        workers.start()
-    queue = jobs(redis, "counted")
-    tables = [[f"{14 + i + k / 4}" for i in range(15)] for k in range(3)]
-    views = [queue.submit(a_request(*l1)) for l1 in tables]
-    assert {ended(queue, view.id).status for view in views} == {"succeeded"}
-    assert redis.get("eliminations") == b"1"
 
 
 def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers: Workers) -> None:

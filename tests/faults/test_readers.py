@@ -41,7 +41,7 @@ def silent(client: httpx.Client, path: str) -> socket.socket:
     return connection
 
 
-@pytest.mark.parametrize("form", ["application/json", "text/csv"])
+@pytest.mark.parametrize("form", ["application/json"])
 def test_a_result_expires_while_it_is_sent(valkey: EmbeddedValkey, redis: Redis, form: str) -> None:
     """A result expires while it is being sent. The connection is closed before the end, so that truncation is
     visible to the client; after that the result is 410.

@@ -138,10 +138,10 @@ def permission(redis: Redis) -> None:
 @pytest.mark.parametrize(
     ("refuse", "accept"),
     [
-        pytest.param(full_disk, enough_room, id="MISCONF"),
+        pytest.param(full_disk, enough_room, id="MISCONF", marks=pytest.mark.long),
         pytest.param(full_memory, enough_memory, id="OOM"),
         pytest.param(replica, primary, id="READONLY"),
-        pytest.param(no_permission, permission, id="NOPERM"),
+        pytest.param(no_permission, permission, id="NOPERM", marks=pytest.mark.long),
     ],
 )
 def test_redis_takes_no_data(
@@ -241,15 +241,6 @@ def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis, recovers: Ca
     finally:
         admin.config_set("requirepass", "")
     recovers()
-
-
-def test_redis_is_emptied_under_the_service(
-    api: httpx.Client, admin: Redis, recovers: Callable[[], None]
-) -> None:
-    """Redis is emptied (FLUSHALL) while the service runs. It is ready again within seconds, and answers."""
-    admin.flushall()
-    recovers()
-    assert api.post("/v1/poses", json=KNOWN).status_code == 200
 
 
 def test_redis_may_evict(

@@ -24,7 +24,6 @@ from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
 SLOW = "tests.support.hard_tasks.slow_once"
-ENDLESS = "tests.support.hard_tasks.endless"
 PARTS = {"api_process": "the API", "valkey-server": "the embedded Valkey", "worker.__main__": "a worker"}
 
 
@@ -90,6 +89,7 @@ def test_a_child_is_told_to_end(tmp_path: Path, part: str, number: signal.Signal
         stopped(stack)
 
 
+@pytest.mark.long
 def test_idle_connections_use_up_all_files(tmp_path: Path) -> None:
     """More clients connect than the API may have open files, and send nothing. `serve` continues with a few
     log lines, a worker that dies is replaced, and other clients are served once those disconnect."""
@@ -209,33 +209,6 @@ def test_everything_is_killed_at_once(tmp_path: Path) -> None:
             until(lambda parts=parts: not any(map(is_running, parts)))
     with running(tmp_path, workers=2) as stack, stack.redis() as redis:
         assert ended(JobQueue(redis), request.job_id).status == "succeeded"
-
-
-@pytest.mark.long
-def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
-    """`serve` is stopped while jobs wait. They are done after the next start."""
-    requests = [a_request(str(i)) for i in range(1, 4)]
-    with running(tmp_path, workers=0) as stack, stack.redis() as redis:
-        for request in requests:
-            JobQueue(redis).submit(request)
-        stack.process.terminate()
-        assert stack.process.wait(PATIENCE) == 0
-    with running(tmp_path) as stack, stack.redis() as redis:
-        for request in requests:
-            assert ended(JobQueue(redis), request.job_id).status == "succeeded"
-
-
-@pytest.mark.long
-def test_a_second_signal_hurries(tmp_path: Path) -> None:
-    """`serve` receives a second signal while it stops. It ends at once, with exit status 0."""
-    settings = {"task": ENDLESS, "shutdown_grace": 60}
-    with running(tmp_path, **settings) as stack, stack.redis() as redis:
-        JobQueue(redis, WorkerSettings(task=ENDLESS)).submit(a_request("1"))
-        until(lambda: len(stack.parts()) == 4)
-        parts = stack.parts()
-        until(lambda: stack.process.poll() is not None or stack.process.terminate())
-        assert stack.process.returncode == 0
-        assert not any(is_running(pid) for pid in parts)
 
 
 @pytest.mark.slow

@@ -113,7 +113,10 @@ def answer_to(asked: dict[str, Any], version: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("jobs", "kills", "slices"),
-    [(4, 2, 6), pytest.param(200, 20, 60, marks=[pytest.mark.long, pytest.mark.timeout(1200)])],
+    [
+        pytest.param(4, 2, 6, marks=pytest.mark.long),
+        pytest.param(200, 20, 60, marks=[pytest.mark.long, pytest.mark.timeout(1200)]),
+    ],
 )
 def test_workers_of_two_versions_are_killed(
     redis: Redis, sides: tuple[Side, Side], jobs: int, kills: int, slices: int

@@ -154,7 +154,7 @@ def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, work
     until(lambda: JobQueue(redis).workers() == 1)
 
 
-@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT])
+@pytest.mark.parametrize("number", [signal.SIGHUP, long(signal.SIGQUIT)])
 def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: signal.Signals) -> None:
     """A worker receives SIGHUP or SIGQUIT. It stops as it does on SIGTERM."""
     worker = workers.start(task="tests.support.hard_tasks.slow_once")

@@ -58,15 +58,6 @@ def test_an_unusable_directory_is_named(tmp_path: Path) -> None:
         EmbeddedValkey(tmp_path / "file").start()
 
 
-def test_a_corrupt_file_is_reported(tmp_path: Path) -> None:
-    with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
-        redis.set("key", "value")
-    manifest = next((tmp_path / "appendonlydir").glob("*.manifest"))
-    manifest.write_text("nonsense\n")
-    with pytest.raises(EmbeddedError, match="did not start: Invalid AOF manifest"):
-        EmbeddedValkey(tmp_path).start()
-
-
 def test_default_data_directory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("HOME", str(tmp_path))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import pytest
 from redis import Redis
 
 from service.api.settings import Settings
@@ -47,6 +48,7 @@ def test_what_is_new_takes_few_commands(valkey: EmbeddedValkey, redis: Redis, wo
     assert len(slice_) < 95, slice_
 
 
+@pytest.mark.long
 def test_who_waits_asks_little(tmp_path: Path) -> None:
     """An API process and two workers without work: searches for lost chunks, registers, and waits."""
     with running(tmp_path, workers=2) as stack, stack.redis() as redis:

@@ -78,6 +78,7 @@ needs_pip = pytest.mark.skipif(find_spec("pip") is None, reason="needs pip")
 
 
 @needs_pip
+@pytest.mark.long
 def test_a_job_on_github(mark: Path) -> None:
     _, install, check = yaml.safe_load((ROOT / "action.yml").read_text())["runs"]["steps"]
     inputs = {
@@ -110,6 +111,7 @@ def test_a_job_on_gitlab(mark: Path) -> None:
 
 
 @pytest.mark.skipif(usable_cores() == 1, reason="an atlas takes other processes where there are more cores")
+@pytest.mark.long
 def test_an_atlas(mark: Path, tmp_path: Path) -> None:
     target = tmp_path / "atlas.ndjson"
     done = run([PROGRAM, "atlas", "--count", "8", "-o", str(target)], mark.parent)
@@ -118,6 +120,7 @@ def test_an_atlas(mark: Path, tmp_path: Path) -> None:
     assert not mark.exists()
 
 
+@pytest.mark.long
 def test_the_whole_service(mark: Path) -> None:
     """A supervisor, the API, a worker and its work horse, and Valkey."""
     done = run([PROGRAM, "demo"], mark.parent)

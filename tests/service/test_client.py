@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import json
 import re
-import ssl
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -47,15 +46,13 @@ from service.client import (
     stub,
     verify_document,
     workspace,
-    workspace_sweep,
 )
 from service.errors import ServiceError
 from service.schemas.plots import PlotRequest
 from service.schemas.registry import all_questions
 from tests.support.processes import until
-from tests.support.sampling import long
+from tests.support.service_server import looks
 from tests.support.shared import census_of, curves_of
-from worker.answers.censuses import within_tolerance
 from worker.jobs.queue import JobQueue
 
 FIRST = EXAMPLES["innocenti"]
@@ -72,45 +69,15 @@ def the_table() -> dict[str, Any]:
 AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
 NEAR_ZEIN: DesignOptions = {"vary": {"d1": (12, 13)}, "budget": 2, "loop": "excluded", "max_aspects": 4}
 
-NARROW = Requirement(start=23, stop=24, max_cusps=6)
-
-
-def in_tolerance() -> object:
-    """The report on a requirement within a tolerance, put together from the library's answers."""
-    report = rpr_solver.check(FIRST, NARROW, digits=15).to_json()
-    found = rpr_solver.margin(FIRST, requirement=NARROW, tolerance={"d1": "0.001"}).to_json()
-    return within_tolerance(report, found, found["weights"])
-
-
-def census_in_tolerance(tolerance: dict[str, str]) -> object:
-    """A census of a tolerance with sensitivities, cut from the whole census."""
-    whole = census_of(ZEIN, digits=20).to_json()
-    part = rpr_solver.restrict_census(whole, 35, 36) or {}
-    return rpr_solver.with_sensitivities(rpr_solver.within_tolerance(whole, part, tolerance).to_json())
-
 
 KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "cusp table": (
         cusp_table(ZEIN, [10, "69/2", 0], digits=20),
         lambda: rpr_solver.table_document(ZEIN, [10, "69/2", 0], digits=20),
     ),
-    "cusp table of leg 2": (
-        cusp_table(ZEIN, 17, digits=15, fixed_leg=2),
-        lambda: rpr_solver.table_document(ZEIN, 17, digits=15, fixed_leg=2),
-    ),
     "census": (
         census(ZEIN, digits=20, start=22, stop="32"),
         lambda: rpr_solver.restrict_census(census_of(ZEIN, digits=20).to_json(), 22, 32),
-    ),
-    "census of a tolerance": (
-        census(ZEIN, digits=20, start=35, stop="36", sensitivities=True, tolerance={"a2x": "0.0001"}),
-        lambda: census_in_tolerance({"a2x": "0.0001"}),
-    ),
-    "census with sensitivities": (
-        census(ZEIN, digits=20, start=22, stop="32", sensitivities=True),
-        lambda: rpr_solver.with_sensitivities(
-            rpr_solver.restrict_census(census_of(ZEIN, digits=20).to_json(), 22, 32) or {}
-        ),
     ),
     "cusp curves": (
         cusp_curves(ZEIN, digits=15, start=3, stop=4, lengths=["3.5"], deadline=300),
@@ -119,10 +86,6 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "check": (
         check(ZEIN, AT_MOST_4, digits=15),
         lambda: rpr_solver.check(ZEIN, AT_MOST_4, digits=15).to_json(),
-    ),
-    "check within a tolerance": (
-        check(FIRST, NARROW, digits=15, tolerance={"d1": "0.001"}),
-        in_tolerance,
     ),
     "leg poses": (
         leg_poses(ZEIN, {"l1": 15, "l3": 40}, 10, "30.5", digits=15),
@@ -152,21 +115,9 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         workspace(ZEIN, 30, {"l1": (5, 20), "l2": (None, 15)}, digits=20),
         lambda: rpr_solver.workspace(ZEIN, 30, {"l1": (5, 20), "l2": (None, 15)}, digits=20).to_json(),
     ),
-    "workspaces of several orientations": (
-        workspace_sweep(ZEIN, -10, 10, "7.5", {"l1": (5, 20)}),
-        lambda: rpr_solver.workspace_sweep(ZEIN, -10, 10, "7.5", {"l1": (5, 20)}).to_json(),
-    ),
     "assembly modes": (
         assembly_modes(FIRST, 27, limits={"l2": (20, 30), "l3": (20, None)}),
         lambda: rpr_solver.assembly_modes(FIRST, 27, limits={"l2": (20, 30), "l3": (20, None)}).to_json(),
-    ),
-    "assembly modes of a range": (
-        assembly_modes(FIRST, between=("0.05", "0.1"), deadline=60),
-        lambda: rpr_solver.assembly_modes(FIRST, between=("0.05", "0.1")).to_json(),
-    ),
-    "assembly modes of a range without an end": (
-        assembly_modes(FIRST, between=(45, None), limits={"l2": (None, 20)}),
-        lambda: rpr_solver.assembly_modes(FIRST, between=(45, None), limits={"l2": (None, 20)}).to_json(),
     ),
     "pose connections": (
         pose_connections(FIRST, 27, 20, 20, between=(26, 28), digits=20),
@@ -198,10 +149,6 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         cusp_loop(ZEIN, 10, "B", motion=MOTION, sampling={"chord": "0.5"}),
         lambda: rpr_solver.cusp_loop(ZEIN, 10, "B", motion=MOTION, sampling={"chord": "0.5"}).to_json(),
     ),
-    "path from pose to pose": (
-        joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3),
-        lambda: rpr_solver.joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3).to_json(),
-    ),
     "path between given poses": (
         pose_path(FIRST, HERE, {"alpha_deg": "-40.0", "theta1_deg": 140, "l1": 28}, samples=2),
         lambda: rpr_solver.pose_path(
@@ -216,14 +163,6 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}),
         lambda: rpr_solver.joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}).to_json(),
     ),
-    "loop with the fixed leg held by its limits": (
-        cusp_loop(FIRST, 27, 2, limits={1: (27, 27)}, samples=2),
-        lambda: rpr_solver.cusp_loop(FIRST, 27, 2, limits={1: (27, 27)}, samples=2).to_json(),
-    ),
-    "loop within limits": (
-        cusp_loop(FIRST, 27, 2, limits={3: (None, 18)}, samples=2),
-        lambda: rpr_solver.cusp_loop(FIRST, 27, 2, limits={3: (None, 18)}, samples=2).to_json(),
-    ),
 }
 
 
@@ -231,11 +170,7 @@ def compact(document: object) -> bytes:
     return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-EXPENSIVE = {"census of a tolerance", "check within a tolerance", "assembly modes of a range"}
-"""With `--long` only: `service/cli` or `test_openapi` ask for them each time. Margins are asked for here."""
-
-
-@pytest.mark.parametrize("kind", [long(kind) if kind in EXPENSIVE else kind for kind in KINDS])
+@pytest.mark.parametrize("kind", KINDS)
 def test_an_answer_is_the_library_s_byte_for_byte(base_url: str, kind: str) -> None:
     asked, library = KINDS[kind]
     with ServiceClient(base_url) as client:
@@ -339,12 +274,14 @@ def test_progress_is_told_and_results_have_forms(
 
 def test_a_canceled_task_withdraws_its_question(idle_url: str, idle_queue: JobQueue) -> None:
     asked = cusp_table(ZEIN, "77.001", digits=15)
-    job_id = asked.question.job_request().job_id
+    job_id, before = asked.question.job_request().job_id, looks(idle_url)
 
     async def main() -> None:
-        async with AsyncServiceClient(idle_url) as client:
-            with anyio.move_on_after(2):
-                await client.ask(asked)
+        async with AsyncServiceClient(idle_url) as client, anyio.create_task_group() as group:
+            group.start_soon(client.ask, asked)
+            while looks(idle_url) == before:  # until the client knows its job
+                await anyio.sleep(0.05)
+            group.cancel_scope.cancel()
 
     anyio.run(main)
     job = idle_queue.get(job_id)
@@ -365,18 +302,6 @@ def test_faults_are_named_before_anything_is_sent() -> None:
         census(ZEIN, digits=9)
     with pytest.raises(InputError, match=r"l2: is -1; a leg length must be > 0"):
         poses(ZEIN, 1, -1, 1)
-
-
-@pytest.mark.parametrize("client", [ServiceClient, AsyncServiceClient])
-def test_authorities_are_read_for_tls_alone(
-    client: Callable[[str], object], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked, read = [], ssl.create_default_context
-    monkeypatch.setattr(ssl, "create_default_context", lambda **options: asked.append(1) or read(**options))
-    client("http://127.0.0.1:1")
-    assert asked == []
-    client("https://127.0.0.1:1")
-    assert asked
 
 
 def test_a_refusal_has_its_problem(client_type: type[ServiceClient], idle_url: str) -> None:
@@ -428,7 +353,7 @@ def test_a_busy_service_is_asked_again(client_type: type[ServiceClient]) -> None
     assert Busy.seen == 3
 
 
-@pytest.mark.parametrize("client", [ServiceClient, AsyncServiceClient])
+@pytest.mark.parametrize("client", [ServiceClient])
 @pytest.mark.parametrize("url", ["ftp://x", "127.0.0.1:8000", "http://", "http://x:y", ""])
 def test_the_client_names_the_address_that_is_none(url: str, client: Callable[[str], object]) -> None:
     with pytest.raises(ServiceError) as refused:
@@ -449,8 +374,3 @@ def test_a_manipulator_is_asked_about_as_it_was_given(base_url: str) -> None:
 
 def test_the_types_of_the_functions_are_those_of_the_questions() -> None:
     assert stub.main(["--check"]) == 0, "run python -m service.client.stub"
-
-
-def test_an_unknown_argument_is_refused() -> None:
-    with pytest.raises(TypeError, match="sensitivity"):
-        census(ZEIN, sensitivity=True)  # type: ignore[call-arg]

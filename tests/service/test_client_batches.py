@@ -89,7 +89,7 @@ def test_the_asynchronous_client_reads_several_batches_at_once(base_url: str) ->
 
 
 def test_what_is_not_valid_is_a_problem_in_its_place(base_url: str) -> None:
-    bad = {"kind": "poses", "request": {"geometry": ZEIN.to_json(), "l1": "1", "l2": "-1"}}
+    bad = {"kind": "poses", "request": {"geometry": ZEIN.to_json(), "l1": "1", "l2": "-1", "l3": "-2"}}
     with ServiceClient(base_url) as client:
         first, second, third = client.ask_all([table(11), bad, {"kind": "poem", "id": "ü"}])
     assert (first.status, second.status, third.status) == ("succeeded", "failed", "failed")
@@ -100,7 +100,7 @@ def test_what_is_not_valid_is_a_problem_in_its_place(base_url: str) -> None:
     assert (third.kind, third.name) == (None, "ü")
 
 
-@pytest.mark.parametrize("form", ["array", "object", "ndjson", "csv"])
+@pytest.mark.parametrize("form", ["array", "csv"])
 def test_files(base_url: str, tmp_path: Path, form: str) -> None:
     geometries = [{**ZEIN.to_json(), "a3x": str(17 + n)} for n in (0, 1)]
     items = [{"kind": "cusp-table", "request": {"geometry": g, "l1": "12", "digits": 15}} for g in geometries]
@@ -226,7 +226,7 @@ def test_a_batch_that_is_watched_is_canceled_with_its_reader(idle_url: str, idle
     async def main() -> str:
         async with AsyncServiceClient(idle_url) as client:
             batch = await client.submit(questions(54, 55))
-            with anyio.move_on_after(1):
+            with anyio.move_on_after(0.5):
                 async for _ in client.watch(batch):
                     pass
             return batch.id
@@ -242,15 +242,6 @@ def test_a_batch_that_is_watched_is_canceled_with_its_reader(idle_url: str, idle
         watched.close()
         assert client.batch(batch.id).status == "canceled"
         assert [r.status for r in client.results(batch.id)] == ["failed", "canceled"]
-
-
-def test_partial_results_while_it_waits(client_type: Client, idle_url: str) -> None:
-    bad = {"kind": "poses", "request": {}}
-    with client_type(idle_url) as client:
-        batch = client.submit([*questions(57), bad])
-        assert [r.index for r in client.results(batch.id, wait=False)] == [1]
-        assert client.batch(batch.id).failed == 1
-        assert client.cancel(batch.id)["status"] == "canceled"
 
 
 def test_an_item_that_cannot_be_sent_is_named(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 from collections.abc import Callable, Iterator
@@ -68,3 +69,10 @@ def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
         return None if job["status"] in ("queued", "running") else job
 
     return until(terminal)
+
+
+def looks(url: str) -> float:
+    """Returns how often clients have looked at jobs."""
+    metrics = httpx.get(f"{url}/metrics").text
+    found = re.search(r'method="GET",route="/v1/jobs/\{job_id\}",status="200"\} (\S+)', metrics)
+    return float(found[1]) if found else 0.0

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -137,27 +135,3 @@ def test_a_service_that_does_not_start_says_so_in_an_object(name: str) -> None:
     assert lines[-1]["level"] == "ERROR"
     assert lines[-1]["logger"] in ("rpr_cusps.serve", "rpr_cusps.worker")
     assert all(line["message"] for line in lines)
-
-
-WORKER = Path(__file__).parents[2] / "worker"
-WALL = {"time.time", "time.time_ns", "datetime.now", "datetime.utcnow", "datetime.today"}
-ALLOWED = {
-    "jobs/records.py": {"time.time_ns"},  # the moments of a trace
-    "tracing.py": {"time.time_ns"},
-    "answers/archive.py": {
-        "time.time",
-        "time.time_ns",
-    },  # the age of an object, whose time is that of the archive
-}
-
-
-def test_only_traces_read_the_wall_clock() -> None:
-    found = {
-        path.relative_to(WORKER).as_posix(): {
-            name
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-            if isinstance(node, ast.Call) and (name := ast.unparse(node.func)) in WALL
-        }
-        for path in sorted(WORKER.rglob("*.py"))
-    }
-    assert {path: names for path, names in found.items() if names} == ALLOWED

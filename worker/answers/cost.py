@@ -79,10 +79,12 @@ class Sizes:
         modes: how often it is decided, beside other work, whether the assembly mode can change.
         nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
             quite.
-        alikeness: bits by which they nearly are congruent or similar, corner by corner, but not quite.
+        alikeness: bits by which they nearly are congruent, or similar in one sense, corner by corner, but not
+            quite.
         is_slice: whether a picture shows one slice or joint vector, rather than all lengths.
         is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
             one by one.
+        is_thin: whether the platform is flat, so that no slice keeps its cusps if a side grows.
         fineness: by how much finer than a whole picture curves are drawn, as a root.
         objects: how many objects stand in the lists of a document: cusps, poses, events, points.
         limit: seconds after which a verification stops, as the length of the document allows.
@@ -101,6 +103,7 @@ class Sizes:
     objects: int = 0
     is_slice: bool = True
     is_special: bool = False
+    is_thin: bool = False
     limit: float = inf
     fineness: int = 0
     modes: int = 0
@@ -115,6 +118,7 @@ class _GeometrySizes:
     nearness: int
     alikeness: int
     is_special: bool
+    is_thin: bool
 
 
 def sizes_of(content: Mapping[str, Any], manipulator: Callable[[], Manipulator]) -> Sizes:
@@ -138,6 +142,7 @@ def sizes_of(content: Mapping[str, Any], manipulator: Callable[[], Manipulator])
         nearness=own.nearness,
         alikeness=own.alikeness,
         is_special=own.is_special,
+        is_thin=own.is_thin,
         fineness=_fineness(content.get("tolerance")),
         objects=texts.count(None),
     )
@@ -151,7 +156,8 @@ def _of_lengths(geometry: Mapping[str, str]) -> _GeometrySizes:
     a2x, a3x, a3y, d1, d2, d3 = whole
     base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
     height = _bits_lost(a3y, max(map(abs, whole[:3])))
-    shape = _shape(base, (d1**2, d2**2, d3**2), height, is_flat=not a3y)
+    is_turned = (geometry.get("orientation") == triangles.CW) == (a2x * a3y > 0)
+    shape = _shape(base, (d1**2, d2**2, d3**2), height, is_flat=not a3y, is_turned=is_turned)
     scales = [above.bit_length() - below.bit_length() for above, below in sides if above]
     return _GeometrySizes((max(bits) + 2 * sum(bits) // len(sides)) // 3, scales, *shape)
 
@@ -168,7 +174,9 @@ def _of_triangles(manipulator: Manipulator) -> _GeometrySizes:
     a, b, c = base = (whole[0], whole[1], whole[2])
     area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
     height = _bits_lost(area, max(base) ** 2) // 2
-    shape = _shape(base, (whole[3], whole[4], whole[5]), height, is_flat=not area)
+    is_turned = geometry.base.sense != geometry.platform.sense
+    platform = whole[3], whole[4], whole[5]
+    shape = _shape(base, platform, height, is_flat=not area, is_turned=is_turned)
     scales = [(above.bit_length() - below.bit_length()) // 2 for above, below in squares if above]
     field, frame = 0, None
     if max(map(abs, whole)).bit_length() <= _FOUND_QUICKLY:
@@ -250,10 +258,10 @@ def all_events(size: Sizes) -> float:
     """All transitions of a manipulator, and aspects between.
 
     Measured: 70 ms with sides of 3 digits, 0.7 s with 64 and 1.7 s with 128; beside special shapes of 40
-    digits 0.1 to 3 s, of 16 digits 0.1 to 0.8; flat and congruent triangles 0.2 to 0.8 s.
+    digits 0.1 to 3 s, of 16 digits 0.1 to 0.8; flat and congruent triangles 0.06 to 0.8 s.
     """
     numbers = 0.0022 * size.geometry + 5e-6 * size.geometry**2 + 2e-4 * size.digits
-    return 0.12 + numbers + 0.006 * size.nearness + 0.25 * size.is_special
+    return 0.12 + numbers + 0.006 * size.nearness + 0.1 * size.is_special
 
 
 def _fineness(tolerance: object) -> int:
@@ -315,11 +323,13 @@ Squares = tuple[int, int, int]
 """The squares of the sides of a triangle."""
 
 
-def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> tuple[int, int, bool]:
+def _shape(
+    base: Squares, platform: Squares, height: int, *, is_flat: bool, is_turned: bool
+) -> tuple[int, int, bool, bool]:
     """Bits by which the triangles nearly are flat, equilateral, congruent or similar; those of the last two,
-    corner by corner; whether they are flat or similar.
+    corner by corner; whether they are flat or similar; whether the platform is flat.
 
-    `height`: the bits by which the base nearly is flat.
+    `height`: the bits by which the base nearly is flat. `is_turned`: whether their senses differ.
 
     Congruent are also triangles whose corners have other names. The bits are those of the quotient of what
     then vanishes and its terms; half of them, if they nearly are isosceles or right. A shape that they have
@@ -333,26 +343,27 @@ def _shape(base: Squares, platform: Squares, height: int, *, is_flat: bool) -> t
         equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
         right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
         most = max(most, equal[1], equal[2] // 2, right // 2)
-    alike, partly, are_similar = _alike(base, platform)
-    return max(most, alike, partly), alike, is_flat or not area or are_similar
+    congruent, similar, partly, are_similar = _alike(base, platform)
+    alike = congruent if is_turned else max(congruent, similar)
+    return max(most, congruent, similar, partly), alike, is_flat or not area or are_similar, not area
 
 
-def _alike(base: Squares, platform: Squares) -> tuple[int, int, bool]:
-    """Bits by which two triangles nearly are congruent or similar, corner by corner; those by which they are
-    in some sides, or but for the names of the corners; whether they are similar."""
-    alike = partly = 0
+def _alike(base: Squares, platform: Squares) -> tuple[int, int, int, bool]:
+    """Bits by which two triangles nearly are congruent, and similar, corner by corner; those by which they
+    are in some sides, or but for the names of the corners; whether they are similar."""
+    alike, partly = [0, 0], 0
     pairs = list(zip(base, platform, strict=True))
     turned = pairs[1:] + pairs[:1]
     crossed = [(x * w - y * z, max(x * w, y * z)) for (x, z), (y, w) in zip(pairs, turned, strict=True)]
-    for forms in ([(x - y, max(x, y)) for x, y in pairs], crossed):
+    for k, forms in enumerate(([(x - y, max(x, y)) for x, y in pairs], crossed)):
         lost = [_bits_lost(x, size) for x, size in forms if x]
         partly = max(partly, max(lost, default=0) // 2)
-        alike = max(alike, min(lost, default=0))
+        alike[k] = min(lost, default=0)
     apart = [[_bits_lost(x - y, max(x, y)) if x != y else inf for y in platform] for x in base]
     for i, j, k in permutations(range(3)):
         least = min(apart[0][i], apart[1][j], apart[2][k])
         partly = max(partly, int(least) if least < inf else 0)
-    return alike, partly, not any(x for x, _ in crossed)
+    return alike[0], alike[1], partly, not any(x for x, _ in crossed)
 
 
 def _bits_lost(x: int, size: int) -> int:

@@ -23,7 +23,7 @@ from rpr_solver.contract import (
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.notebook import Style
 from rpr_solver.notebook.figure import draw, size_of
-from rpr_solver.sensed.sensed_poses import ANGLES
+from rpr_solver.sensed.angles import ANGLES
 from worker.answers.censuses import CENSUS, MARGIN, SENSITIVITIES
 from worker.answers.cost import (
     SHORT_BITS,

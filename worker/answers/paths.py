@@ -108,6 +108,7 @@ def _measure_path(content: Content, size: Sizes) -> Sizes:
     return replace(
         size,
         count=count,
+        nearness=0 if of_poses else size.nearness,
         deviations=count if content.get("motion") or content.get("sampling") else 0,
         censuses=int(of_poses and not is_limited and bool(content.get("between"))),
         limited=((_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0)
@@ -152,7 +153,7 @@ def _longest(geometry: Canonical) -> Fraction:
 def _path_cost(size: Sizes) -> float:
     """The slice, the search of the path, its samples, and what the legs deviate between them."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
-    search = 0.03 + 2e-4 * size.nearness + size.limited * _SUBDIVISION
+    search = 0.03 + 1e-3 * size.nearness + size.limited * _SUBDIVISION
     deviations = 8e-4 * size.deviations
     return (
         search

@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from rpr_solver.contract import LEGS
 from rpr_solver.errors import InputError, clipped
 from rpr_solver.notebook import read_cell
-from rpr_solver.sensed.sensed_poses import ANGLES
+from rpr_solver.sensed.angles import ANGLES
 from service.api.answer import json_of
 from service.api.batches.bodies import CheckSize, Sent, invalid, lines
 from service.api.problems import ProblemError

@@ -9,7 +9,7 @@ import mpmath as mp
 import pytest
 from flint import arb, ctx
 
-from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved
+from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, cusp_curves
 from rpr_solver.curves import follower as follower_module
 from rpr_solver.curves.follower import Cusp, Follower, Lost, Tracker
 from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
@@ -109,6 +109,21 @@ def test_curves_that_take_too_many_tubes_are_refused(monkeypatch: pytest.MonkeyP
     tracker = Tracker(eliminant_of(FLAT), DIGITS)
     with pytest.raises(Unproved, match="bound of work"):
         all_from(tracker, Fraction("34.6"), Fraction("36.2"))
+
+
+def test_what_would_take_too_long_is_refused_before_a_cusp_is_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Congruent triangles, but for 1e-40 of a side, mirrored."""
+
+    def walk(*_: object) -> None:
+        raise AssertionError("a cusp is followed")
+
+    monkeypatch.setattr(follower_module.Follower, "walk", walk)
+    sides = {"base": {"sides": ["23", "7", "20"]}, "platform": {"sides": ["23", "7", f"20.{'0' * 39}1"]}}
+    near = Manipulator.from_json({**sides, "orientation": "cw"})
+    with pytest.raises(Unproved, match="bound of work"):
+        cusp_curves(near, digits=15)
 
 
 def test_a_follower_that_is_lost_is_missing_and_others_are_not() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from random import Random
+from typing import Any
 
 import pytest
 from flint import arb, ctx
@@ -27,7 +28,9 @@ from rpr_solver import (
     solve_slice,
 )
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.paths import loops
 from rpr_solver.paths.loops import CUSP_DIGITS, CuspFrame, loop_in_slice
+from rpr_solver.paths.proofs import finished_route
 from rpr_solver.paths.question import PathTerms
 from rpr_solver.paths.routes import Angles, local_map
 from tests.support.motions import Mover, angles_of, apart, arrives, turns
@@ -189,6 +192,20 @@ def test_each_argument_at_fault_is_named(arguments: dict[str, object], field: st
     with pytest.raises(InputError) as caught:
         cusp_loop(**asked)  # type: ignore[arg-type]
     assert [problem.field for problem in caught.value.problems] == [field]
+
+
+def test_far_longer_legs_than_sides_need_few_proofs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first loop that is tried would take tens of thousands of pieces."""
+    tried = []
+
+    def counted(*arguments: Any) -> Any:
+        tried.append(arguments)
+        return finished_route(*arguments)
+
+    monkeypatch.setattr(loops, "finished_route", counted)
+    loop = cusp_loop(FIRST, "1e12", 1)
+    assert loop.start.number != loop.stop.number
+    assert 1 < len(tried) < 10
 
 
 def test_a_slice_without_cusps_has_no_loop() -> None:

@@ -12,7 +12,6 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, singular_curves
-from rpr_solver.notebook.style import Style
 from tests.service.api.test_documents_api import is_whole
 from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue
@@ -58,12 +57,8 @@ def test_without_waiting_an_address_gives_the_job(idle: httpx.Client) -> None:
     ("parameters", "field"),
     [
         ({"l1": "x"}, "l1[0]"),
-        ({"l1": 1, "colour": "red"}, "colour"),
         ({"l1": 1, "wait": "long"}, "wait"),
-        ({"l1": 1, "format": "xls"}, "format"),
-        ({"l1": 1, "numbers": "float"}, "numbers"),
         ({"l1": 1, "d1": 0}, "geometry.d3"),
-        ({}, "l1"),
         ({"l1": 1, "l1_from": 1, "l1_to": 2, "l1_step": 1}, "l1_from"),
     ],
 )
@@ -80,14 +75,6 @@ def test_a_parameter_that_is_given_twice_is_refused(idle: httpx.Client) -> None:
 def test_pages_of_other_sites_start_nothing(idle: httpx.Client) -> None:
     answer = idle.get(address("/v1/cusp-tables", l1=2), headers={"Sec-Fetch-Site": "cross-site"})
     assert (answer.status_code, answer.json()["type"]) == (403, "/problems/forbidden")
-
-
-@pytest.mark.slow
-def test_a_census_has_an_address(api: httpx.Client) -> None:
-    here = address("/v1/censuses", l1_from=27, l1_to=30, wait=30)
-    question = {"geometry": GEOMETRY, "digits": 15, "range": {"from": 27, "to": 30}}
-    assert api.get(here).content == api.post("/v1/censuses", json=question, headers=WAIT).content
-    assert api.get(f"{here}&format=csv").text.count("\n") > 1
 
 
 SVG = "image/svg+xml"
@@ -121,54 +108,15 @@ def test_a_picture_is_a_document_too(api: httpx.Client) -> None:
     assert api.post("/v1/plots", json=body, headers={"Accept": SVG}).text == document["svg"]
 
 
-def test_a_picture_for_print_by_both_ways(api: httpx.Client) -> None:
-    setting = {"width_mm": 86, "style": "paper", "unit": "mm", "labels": "caption"}
-    body = {"geometry": GEOMETRY, "l1": "14.98", **setting}
-    drawn = api.post("/v1/plots", json=body).json()
-    style = Style(width_mm=86, has_symbols=True, unit="mm", has_title=False)
-    expected = singular_curves(EXAMPLES["innocenti"], "14.98").figure().styled(style).svg()
-    assert drawn["svg"] == expected == api.get(picture(l1="14.98", **setting)).text
-    assert 'width="86mm"' in expected
-    plain = {"width_mm": None, "style": "page", "unit": "", "labels": "both"}
-    assert (
-        api.post("/v1/plots", json={**body, **plain}).text
-        == api.post("/v1/plots", json={"geometry": GEOMETRY, "l1": "14.98"}).text
-    )
-
-
-@pytest.mark.parametrize("plot", ["torus", "loop", "mechanism"])
-def test_every_view_of_a_slice(api: httpx.Client, plot: str) -> None:
-    cusp = {} if plot == "torus" else {"cusp": "B"}
-    answer = api.get(picture(plot=plot, l1=27, wait=30, theme="dark", **cusp))
-    assert answer.status_code == 200
-    assert answer.text.startswith("<svg ")
-
-
-def test_the_curves_of_cusps_in_three_planes(api: httpx.Client) -> None:
-    flat = EXAMPLES["zein-flat"].to_json()
-    answer = api.get(picture(**flat, plot="projections", l1_from="31.8", l1_to="31.9", wait=30, width_mm=86))
-    assert answer.status_code == 200
-    assert "curves of cusps, in three planes</title>" in answer.text
-    assert 'width="86mm"' in answer.text
-
-
 @pytest.mark.parametrize(
     ("parameters", "field"),
     [
         ({}, "l1"),
         ({"l1": 27, "l2": 3}, "l2"),
-        ({"l1": 27, "plot": "pie"}, "plot"),
         ({"l1": 27, "plot": "census"}, "l1"),
-        ({"l1": 27, "theme": "red"}, "theme"),
         ({"l1": 27, "cusp": 2}, "cusp"),
-        ({"plot": "mechanism", "l1": 27, "l2": 3}, "l3"),
         ({"plot": "mechanism", "l1": 27, "l2": 3, "l3": 4, "pose": 7}, "pose"),
-        ({"plot": "loop", "l1": 27, "cusp": "?"}, "cusp"),
-        ({"l1": 27, "format": "csv"}, "format"),
-        ({"l1": 27, "width_mm": 79}, "width_mm"),
-        ({"l1": 27, "style": "red"}, "style"),
         ({"l1": 27, "unit": "<b>"}, "unit"),
-        ({"l1": 27, "labels": "all"}, "labels"),
     ],
 )
 def test_what_does_not_fit_is_named(idle: httpx.Client, parameters: dict[str, Any], field: str) -> None:
@@ -177,29 +125,10 @@ def test_what_does_not_fit_is_named(idle: httpx.Client, parameters: dict[str, An
     assert [error["field"] for error in answer.json()["errors"]] == [field]
 
 
-def test_a_cusp_that_a_slice_lacks(api: httpx.Client) -> None:
-    answer = api.get(picture(plot="mechanism", l1=27, cusp="J", wait=30))
-    assert (answer.status_code, answer.json()["type"]) == (422, "/problems/job-input-error")
-    assert "cusp: is 10 (J); give 1 to 8" in answer.text
-
-
 def asked(api: httpx.Client, path: str, **question: Any) -> httpx.Response:
     answer = api.post(path, json={"geometry": GEOMETRY, "digits": 15, **question}, headers=WAIT)
     assert answer.status_code == 200, answer.text
     return answer
-
-
-def test_the_address_of_an_answer_gives_it_again(api: httpx.Client, fresh: Callable[[], str]) -> None:
-    l1 = fresh()
-    computed, known = (asked(api, "/v1/cusp-tables", l1=l1) for _ in range(2))
-    address = computed.headers["content-location"]
-    assert known.headers["content-location"] == address
-    again = api.get(address)
-    assert again.content == computed.content
-    assert again.headers["etag"] == computed.headers["etag"]
-    same = api.get(address, headers={"If-None-Match": computed.headers["etag"]})
-    assert (same.status_code, same.content) == (304, b"")
-    assert api.get(address, headers={"Accept": "text/csv"}).text.startswith("l1,")
 
 
 def test_an_answer_without_a_job_has_an_address(api: httpx.Client, fresh: Callable[[], str]) -> None:

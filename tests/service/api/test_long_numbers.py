@@ -31,7 +31,7 @@ from tests.support.processes import PATIENCE
 from tests.support.sampling import long
 from tests.support.service_server import serving
 
-MOST = 0.2
+MOST = 0.5
 """Seconds of processor time for one body."""
 _MARK = "@long@"
 _N = 250_000

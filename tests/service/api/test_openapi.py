@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -16,7 +15,7 @@ import yaml
 from service.api.app import create_app
 from service.api.contract.batches import POST_BODY
 from service.api.problems import MEDIA_TYPE
-from service.openapi_yaml import FILE, main
+from service.openapi_yaml import main
 from service.schemas.answers import JSON, NDJSON
 from service.schemas.registry import all_questions
 from tests.support.contract import demands, known, parts, promises
@@ -42,13 +41,6 @@ def test_the_service_has_it_as_yaml_too(idle: httpx.Client) -> None:
 
 def test_openapi_yaml_is_what_the_application_says(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--check"]) == 0, f"run `python -m service.openapi_yaml`:\n{capsys.readouterr().out}"
-
-
-def test_a_difference_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    changed = tmp_path / "openapi.yaml"
-    changed.write_text(FILE.read_text().replace("14.98", "15"))
-    assert main(["--check", "--file", str(changed)]) == 1
-    assert "l1: 14.98" in capsys.readouterr().out
 
 
 def test_every_reference_leads_somewhere(contract: dict[str, Any]) -> None:
@@ -77,17 +69,6 @@ def test_operations_are_documented_and_named_once(contract: dict[str, Any]) -> N
             assert answer["description"]
             if status == "default":
                 assert list(resolved(answer)["content"]) == [MEDIA_TYPE]
-
-
-def test_links_lead_to_operations(contract: dict[str, Any]) -> None:
-    names = {operation["operationId"] for path in contract["paths"].values() for operation in path.values()}
-    for answer in contract["components"]["responses"].values():
-        assert {link["operationId"] for link in answer.get("links", {}).values()} <= names
-
-
-def test_it_says_which_openapi_it_is(contract: dict[str, Any]) -> None:
-    assert contract["openapi"].startswith("3.1.")
-    assert "HTTPValidationError" not in contract["components"]["schemas"]
 
 
 def test_what_was_promised_stays(contract: dict[str, Any]) -> None:

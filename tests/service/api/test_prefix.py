@@ -16,7 +16,6 @@ from pydantic import ValidationError
 from rpr_solver import EXAMPLES
 from service.api.job_views import event_documents
 from service.api.settings import Settings
-from service.cli.main import main
 from service.client import ServiceClient, cusp_table
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
@@ -122,14 +121,8 @@ def test_events_of_webhooks_have_it() -> None:
 
 @pytest.mark.parametrize(
     "value",
-    ["cusps", "/v1", "//a", "/a/../b", "/a b", "/a?b", "/" + 300 * "a"],
+    ["cusps", "/v1", "//a", "/" + 300 * "a"],
 )
 def test_a_prefix_that_is_none_is_refused(value: str) -> None:
     with pytest.raises(ValidationError, match="root_path"):
         Settings(root_path=value)
-
-
-def test_the_option_says_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["serve", "--root-path", "cusps"])
-    assert "'cusps' is not a path prefix such as /cusps" in capsys.readouterr().err

@@ -113,6 +113,7 @@ sys.exit(main(sys.argv[1:]))
         pytest.param(["-m", "service"], id="with", marks=pytest.mark.long),
     ],
 )
+@pytest.mark.long
 def test_two_thousand_rows_are_killed_three_times(tmp_path: Path, command: list[str]) -> None:
     """The rows without a census take two seconds of processor time, mostly for four starts."""
     path, count = tmp_path / "atlas.ndjson", 2000

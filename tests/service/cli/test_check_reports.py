@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from rpr_solver import exact_str
 from service.cli.arguments import Found
 from service.cli.check.ci_formats import github_annotations, junit_xml, sarif
-from service.cli.check.reports import Outcome, apart, document, page, summary
+from service.cli.check.reports import Outcome, apart, page
 
 pytestmark = pytest.mark.quick
 
@@ -45,45 +45,8 @@ BAD = Outcome("a/bad.json", FAILED_REPORT, seconds=0.5, line=7)
 FAULTY = Outcome("b d.json", error={"type": "input-error", "detail": "no"}, line=3)
 CURVE = {"kind": "curve", "from": "1", "to": None, "equation": "alpha = 0 deg"}
 ODD = Outcome("odd.json", {**PASSED_REPORT, "degenerate": [CURVE]}, line=2)
-REFUSED = Outcome(
-    "odd.json",
-    {
-        **PASSED_REPORT,
-        "passed": False,
-        "requirement": {**REQUIREMENT, "degenerate": "refused"},
-        "degenerate": [CURVE],
-    },
-)
 SAID = "curve of degenerate poses in every slice for L2 from 1: alpha = 0 deg"
 LOST = Outcome("lost.json", error={"type": "solver-error", "detail": "two\nlines"})
-
-
-def test_a_failure_names_the_first_offending_slice_and_cusp() -> None:
-    assert BAD.message == (
-        "4 cusps at L2 = 8, at most 2 allowed; "
-        "the first: alpha_deg = 1.5, theta2_deg = -2.5, l1 = 3.5, l3 = 4.5"
-    )
-    assert (GOOD.message, LOST.message) == ("", "two lines")
-
-
-def test_too_few_cusps_have_no_first_one() -> None:
-    requirement = {**REQUIREMENT, "max_cusps": None, "min_cusps": 1}
-    violation = {**VIOLATION, "count": 0, "example": {"l2": "8", "cusps": []}}
-    report = {**FAILED_REPORT, "requirement": requirement, "violations": [violation]}
-    assert Outcome("x", report).message == "0 cusps at L2 = 8, at least 1 required"
-
-
-def test_all_outcomes_are_in_the_document_and_on_the_page() -> None:
-    checks = document([GOOD, BAD, LOST], REQUIREMENT, NOTHING)
-    assert checks["passed"] is False
-    assert [check["passed"] for check in checks["checks"]] == [True, False, False]  # type: ignore[attr-defined]
-    shown = page([GOOD, BAD, LOST], REQUIREMENT, NOTHING)
-    assert shown.about == "cusps for L2 from 1, L1 within 5:: at most 2 allowed"
-    assert [section.title.split(",")[0] for section in shown.sections] == [
-        "good.json: passed",
-        "a/bad.json: failed: 4 cusps at L2 = 8",
-        "lost.json: no answer: two lines",
-    ]
 
 
 def test_junit_has_a_case_for_each_geometry() -> None:
@@ -95,14 +58,6 @@ def test_junit_has_a_case_for_each_geometry() -> None:
     assert [child.tag for child in (*bad, *lost)] == ["failure", "error"]
     assert bad[0].get("message") == BAD.message
     assert bad[0].text == "from to cusps\n7 ∞ 4"
-
-
-def test_annotations_name_the_file() -> None:
-    built_in = Outcome("innocenti", FAILED_REPORT)
-    failed, lost, named = github_annotations([GOOD, BAD, LOST, built_in])
-    assert failed == f"::error file=a/bad.json,line=7,title=check failed::{BAD.message}"
-    assert lost == "::error file=lost.json,title=no answer (solver-error)::two lines"
-    assert named.startswith("::error title=innocenti%3A check failed::")
 
 
 def test_sarif_has_a_result_for_each_geometry_that_does_not_pass() -> None:
@@ -176,13 +131,6 @@ def test_sarif_says_what_to_know_about_each_rule_and_knows_a_complaint_again() -
     assert len({*prints(BAD, FAULTY, LOST), *prints(replace(BAD, report=stricter))}) == 4
 
 
-def test_the_summary_counts_each_verdict() -> None:
-    assert summary([GOOD, BAD, BAD], NOTHING) == "3 checked: 1 passed, 2 failed"
-    assert (
-        summary([GOOD, LOST, FAULTY], NOTHING) == "3 checked: 1 passed, 0 failed, 1 bad, 1 without an answer"
-    )
-
-
 def test_what_is_degenerate_is_said_although_it_passes() -> None:
     [section] = page([ODD], REQUIREMENT, NOTHING).sections
     assert (section.title, section.notes, section.failed) == (
@@ -199,23 +147,6 @@ def test_what_is_degenerate_is_said_although_it_passes() -> None:
     [result] = json.loads(sarif([ODD]))["runs"][0]["results"]
     assert (result["ruleId"], result["level"]) == ("degenerate", "warning")
     assert result["message"]["text"] == f"odd.json: {SAID}"
-
-
-def test_what_is_degenerate_fails_where_it_is_refused() -> None:
-    assert (REFUSED.verdict, REFUSED.message) == ("failed", f"degenerate, which is refused: {SAID}")
-    [section] = page([REFUSED], REQUIREMENT, NOTHING).sections
-    assert (section.rows, section.failed) == ([], True)
-    case = ElementTree.fromstring(junit_xml([REFUSED])).find("testsuite/testcase")
-    assert case is not None
-    assert [child.tag for child in case] == ["properties", "failure"]
-    assert case[1].get("message") == REFUSED.message
-    [line] = github_annotations([REFUSED])
-    assert line == f"::error file=odd.json,title=check failed::{REFUSED.message}"
-    [result] = json.loads(sarif([REFUSED]))["runs"][0]["results"]
-    assert (result["ruleId"], result["level"]) == ("requirement", "error")
-    assert page([ODD], {**REQUIREMENT, "degenerate": "refused"}, NOTHING).about.endswith(
-        ", nothing degenerate"
-    )
 
 
 @given(st.text(), st.text())
@@ -257,17 +188,6 @@ OFF = Outcome(
     },
     line=4,
 )
-OPEN = Outcome(
-    "open.json",
-    {
-        **PASSED_REPORT,
-        "passed": False,
-        "margin": {**MARGIN, "verdict": "open", "reason": "too wide", "counterexample": None},
-    },
-)
-WITHIN = Outcome(
-    "within.json", {**PASSED_REPORT, "margin": {**MARGIN, "verdict": "proved", "counterexample": None}}
-)
 
 
 def test_a_counter_example_is_in_every_report() -> None:
@@ -287,38 +207,3 @@ def test_a_counter_example_is_in_every_report() -> None:
     assert result["properties"] == {"counterexample": EXAMPLE}
     assert {"tolerance", "open"} <= {rule["id"] for rule in run["tool"]["driver"]["rules"]}
     assert list(github_annotations([OFF])) == [f"::error file=off.json,line=4,title=check failed::{said}"]
-
-
-def test_what_is_open_does_not_pass_and_is_called_open() -> None:
-    assert (OPEN.verdict, OPEN.passed) == ("open", False)
-    assert OPEN.message == "neither proved nor refuted within the tolerance: too wide"
-    assert summary([OPEN, OFF, WITHIN], NOTHING) == "3 checked: 1 passed, 1 failed, 1 open"
-    [failure] = ElementTree.fromstring(junit_xml([OPEN])).iter("failure")
-    assert (failure.get("type"), failure.get("message")) == ("open", OPEN.message)
-    [result] = json.loads(sarif([OPEN]))["runs"][0]["results"]
-    assert result["ruleId"] == "open"
-    [line] = github_annotations([OPEN])
-    assert line == f"::error file=open.json,title=check open::{OPEN.message}"
-
-
-def test_a_tolerance_is_said_with_the_requirement() -> None:
-    within = page([WITHIN], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]}, NOTHING)
-    assert within.about.endswith("at most 2 allowed, with a2x within 0.05, d1 within 0.1")
-    assert within.sections[0].title == "within.json: passed, 0 cusps, within the tolerance too"
-    every = dict.fromkeys(MARGIN["tolerance"], "0.01")
-    assert page([], {**REQUIREMENT, "tolerance": every}, NOTHING).about.endswith(
-        ", with all lengths within 0.01"
-    )
-
-
-def test_another_tolerance_is_another_complaint() -> None:
-    def fingerprint(outcome: Outcome) -> str:
-        [result] = json.loads(sarif([outcome]))["runs"][0]["results"]
-        found: str = result["partialFingerprints"]["geometryAndRequirement/v1"]
-        return found
-
-    assert OFF.report is not None
-    wider = {**MARGIN, "tolerance": {"a2x": "0.06"}, "verdict": "refuted", "counterexample": EXAMPLE}
-    other = replace(OFF, report={**OFF.report, "margin": wider})
-    assert fingerprint(OFF) != fingerprint(other)
-    assert fingerprint(OFF) == fingerprint(replace(OFF, line=9))

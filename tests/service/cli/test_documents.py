@@ -38,12 +38,9 @@ def test_a_document_is_verified_or_refused(run_here: Run, tmp_path: Path) -> Non
     [
         ("", "is not valid JSON"),
         ('{"slices": [], "slices": [1]}', "'slices' is given twice"),
-        ("[1]", "holds no object"),
         ("{}", "of no kind"),
-        ('{"slices": []}', "geometry"),
         (f'{{"slices": [{{"l1": {"9" * 5000}}}]}}', "slices[0].l1: a number with 5000 digits"),
         (f'{{"slices": [{{"l1": "14.{"9" * 3000}"}}]}}', "slices[0].l1: has a number of 3003 characters"),
-        ('{"slices": [], "\\ud800": 1}', "half of a character"),
         ("[" * 5000 + "]" * 5000, "nested more than 32 levels deep"),
     ],
     ids=lambda text: text[:30],
@@ -64,7 +61,7 @@ def the_two() -> dict[str, Any]:
     return table_document(EXAMPLES["zein-flat"], [3, 4], digits=15)
 
 
-@pytest.mark.parametrize("system", ["maple", "msolve", "pari", "sage", "sympy"])
+@pytest.mark.parametrize("system", ["maple", "pari"])
 def test_the_script_is_that_of_the_library(run_here: Run, tmp_path: Path, system: str) -> None:
     printed = run_here("export", "-", "--to", system, stdin=json.dumps(the_document()))
     assert (printed.returncode, printed.stderr, printed.stdout) == (0, "", export(the_document(), system))
@@ -78,19 +75,13 @@ def test_the_script_is_that_of_the_library(run_here: Run, tmp_path: Path, system
     ("args", "stdin", "said"),
     [
         (("-", "--to", "pari"), "{}", "FILE: is no cusp table and no census; give one as JSON"),
-        (("-", "--to", "pari"), "[]", "FILE: standard input holds no object; give a document of rpr-cusps"),
         (
             ("-", "--to", "msolve"),
             json.dumps(the_two()),
             "FILE: has 2 slices, but msolve solves one system of",
         ),
-        (
-            ("-", "--to", "pari", "-o", "/nowhere/x"),
-            json.dumps(the_document()),
-            "--output: '/nowhere/x' cannot be",
-        ),
     ],
-    ids=["another document", "no object", "two slices", "no folder"],
+    ids=["another document", "two slices"],
 )
 def test_what_is_wrong_is_named(run_here: Run, args: tuple[str, ...], stdin: str, said: str) -> None:
     done = run_here("export", *args, stdin=stdin)
@@ -116,8 +107,6 @@ def test_a_path_and_a_pose_are_exported_for_robots(run_here: Run, tmp_path: Path
     [
         (("--to", "sdf"), "--unit: is missing"),
         (("--to", "sdf", "--unit", "mm", "--pose", "9"), "--pose: is 9; give 1 to 4"),
-        (("--to", "sdf", "--unit", "mm", "--relative"), "--relative: says nothing"),
-        (("--to", "ros2-json", "--unit", "mm"), "FILE: is no path"),
     ],
     ids=lambda part: part if isinstance(part, str) else part[1],
 )

@@ -35,36 +35,16 @@ def as_numpy() -> bytes:
 
 FILES = {
     "robot.xlsx": (zipped("[Content_Types].xml", "xl/workbook.xml"), "it is a workbook", "CSV UTF-8"),
-    "robot.ods": (
-        zipped("mimetype").replace(b"<x/>", b"application/vnd.oasis.opendocument.spreadsheet"),
-        "it is a workbook",
-        "CSV UTF-8",
-    ),
     "robot.zip": (zipped("robot.json"), "it is a ZIP archive", POINTS),
-    "robot.xls": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(99), "it is an Excel workbook", "CSV UTF-8"),
     "robot.mat": (
         b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + b"\x00\x01IM\xff",
         "it is a MATLAB data",
         MATLAB,
     ),
-    "robot-7.mat": (
-        b"MATLAB 7.3 MAT-file, Platform" + bytes(400) + b"\x89HDF\xff",
-        "a MATLAB data file",
-        MATLAB,
-    ),
     "robot.npy": (as_numpy(), "it is a NumPy file", POINTS),
     "base.m": (b"% base\nA = [0 0; 40 10; 90 -20];\nd = [30, 30, 30]\n", SCRIPT, MATLAB),
-    "plain.m": (b"a2x = 15.91;\r\na3x = 0;\r\na3y = 10;\r\n", SCRIPT, MATLAB),
-    "lines.m": (
-        b"clear all\nclc\nr = 0.37; % radius\nA = [r 0;\n 0 r;\n 1 1];\nB = A*2;\nC = B;\n",
-        SCRIPT,
-        MATLAB,
-    ),
     "robot.yaml": (b"# gripper\na2x: 15.91\na3x: 0\nbase:\n  - [0, 0]\n  - [40, 10]\n", YAML, "yq -o=json"),
-    "marked.yaml": (b"---\nrobot:\n  name: a b\n", YAML, POINTS),
-    "one.yaml": (b"a2x: 15.91", YAML, POINTS),
     "robot.urdf": (b'<?xml version="1.0"?>\n<robot name="r"><link name="a"/></robot>', "it is URDF", POINTS),
-    "robot.sdf": (b'<sdf version="1.7"><model/></sdf>', "it is SDF", POINTS),
     "robot.toml": (b"[robot]\na2x = 15.91\na3x = 0\n", "it looks like a program or settings", POINTS),
 }
 

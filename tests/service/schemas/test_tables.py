@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, InputError
+from rpr_solver import InputError
 from rpr_solver.exact.numerals import digit_count
 from service.schemas import document
 from service.schemas.document import parse_json
@@ -29,22 +29,13 @@ def with_slices(slices: str) -> Sequence[str]:
     return read(f'{{"geometry": {json.dumps(GEOMETRY)}, "l1": {slices}}}').parts
 
 
-def test_the_first_manipulator_of_the_article() -> None:
-    request = read({"geometry": GEOMETRY, "l1": 14.98})
-    assert request.geometry == EXAMPLES["innocenti"].to_json()
-    assert (request.parts, request.digits, request.fixed_leg) == (["14.98"], 90, 1)
-
-
 @pytest.mark.parametrize(
     ("slices", "expected"),
     [
-        ("14.98", ["14.98"]),
         ('"1498/100"', ["14.98"]),
         ('["14.98", 27, 14.980, "1/3"]', ["14.98", "27", "1/3"]),
         ('{"from": 0.1, "to": 0.3, "step": 0.1}', ["0.1", "0.2", "0.3"]),
         ('{"from": 1, "to": 2, "step": "1/3"}', ["1", "4/3", "5/3", "2"]),
-        ('{"from": 1, "to": 1.99, "step": 0.5}', ["1", "1.5"]),
-        ('{"from": 5, "to": 5, "step": 1e30}', ["5"]),
         ("1e-30", ["0." + "0" * 29 + "1"]),
     ],
 )
@@ -54,11 +45,7 @@ def test_slices(slices: str, expected: list[str]) -> None:
 
 @pytest.mark.parametrize(
     ("slices", "said"),
-    [
-        ("-1", "l1: is -1; a leg length must be > 0"),
-        ("[0, -2.5]", "l1: is 0, -2.5; a leg length must be > 0"),
-        ('{"from": -9, "to": 0, "step": 1}', "l1: is -9, -8, -7, …; a leg length must be > 0"),
-    ],
+    [('{"from": -9, "to": 0, "step": 1}', "l1: is -9, -8, -7, …; a leg length must be > 0")],
 )
 def test_a_question_without_a_possible_slice_is_refused(slices: str, said: str) -> None:
     with pytest.raises(InputError) as caught:
@@ -86,15 +73,10 @@ def test_a_range_is_exact_and_holds_its_stop_only_when_it_is_hit(
     ("slices", "said"),
     [
         ("null", "is null"),
-        ("true", "is true"),
-        ("[]", "empty list"),
         ("[[1]]", r"l1\[0\]: is a list"),
         ('["1", "x"]', r"l1\[1\]: 'x' is not a finite number"),
-        ('"NaN"', "not a finite number"),
         ('{"from": 1, "to": 2}', "l1.step: is missing"),
-        ('{"from": 1, "to": 2, "step": 1, "stepp": 1}', "l1.stepp: unknown field; did you mean step"),
         ('{"from": 1, "to": 2, "step": 0}', "must be > 0"),
-        ('{"from": 1, "to": 2, "step": -1}', "must be > 0"),
         ('{"from": 2, "to": 1, "step": 1}', "the range is empty"),
     ],
 )
@@ -107,12 +89,8 @@ def test_wrong_slices_are_named(slices: str, said: str) -> None:
     ("change", "limit", "sent"),
     [
         ({"l1": list(range(1, 12))}, "max_slices", "asks for 11 slices"),
-        ({"l1": {"from": 1, "to": 11, "step": 1}}, "max_slices", "asks for 11 slices"),
         ({"l1": {"from": 0, "to": "1e300", "step": "1e-99"}}, "max_slices", "more than 10^20 slices"),
         ({"digits": 1001}, "max_digits", "asks for 1001 digits"),
-        ({"digits": 14}, "min_digits", "asks for 14 digits"),
-        ({"l1": "1" * 401}, "max_number_digits", "a number with 401 digits"),
-        ({"l1": "1e400"}, "max_number_digits", "a number with 401 digits"),
         ({"l1": "1e-999999999"}, "max_number_digits", "a number with 1000000000 digits"),
         ({"l1": "1/" + "7" * 500}, "max_number_digits", "a number with 500 digits"),
     ],
@@ -130,16 +108,12 @@ def test_a_limit_that_is_exceeded_is_named_with_what_was_sent(
 @pytest.mark.parametrize(
     ("change", "fields"),
     [
-        ({"geometry": None}, {"geometry"}),
         ({"geometry": {**GEOMETRY, "d1": -1, "d2": -1}}, {"geometry.d1", "geometry.d2"}),
         (
             {"geometry": {**GEOMETRY, "d1": None, "dd": 2}, "digits": "90"},
             {"geometry.d1", "geometry.dd", "digits"},
         ),
-        ({"geometry": {**GEOMETRY, "orientation": 7}}, {"geometry.orientation"}),
-        ({"digit": 90}, {"digit"}),
         ({"digits": 90.5, "fixed_leg": 4}, {"digits", "fixed_leg"}),
-        ({"fixed_leg": 2}, {"l1", "l2"}),
         ({"fixed_leg": True, "l1": "?"}, {"fixed_leg", "l1"}),
     ],
 )
@@ -147,16 +121,6 @@ def test_every_field_at_fault_is_named_at_once(change: dict[str, Any], fields: s
     with pytest.raises(InputError) as caught:
         read({"geometry": GEOMETRY, "l1": 1, **change})
     assert {problem.field for problem in caught.value.problems} == fields
-
-
-def test_an_unknown_field_brings_the_nearest_right_name() -> None:
-    with pytest.raises(InputError, match=r"digts: unknown field; did you mean digits\?"):
-        read({"geometry": GEOMETRY, "l1": 1, "digts": 30})
-
-
-def test_with_another_fixed_leg_the_key_follows() -> None:
-    request = read({"geometry": GEOMETRY, "l3": ["7"], "fixed_leg": 3})
-    assert (request.fixed_leg, request.parts) == (3, ["7"])
 
 
 def test_whole_numbers_may_be_written_in_any_way() -> None:

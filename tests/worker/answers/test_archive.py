@@ -22,7 +22,7 @@ PACKED = [packed for _, packed in RESULTS]
 
 @pytest.fixture
 def archive(tmp_path: Path) -> Archive:
-    return Archive(f"file://{tmp_path}/archive", timeout=2)
+    return Archive(f"file://{tmp_path}/archive", timeout=PATIENCE)
 
 
 def the_object(archive: Archive) -> Path:
@@ -86,17 +86,6 @@ def test_an_archive_that_is_away_is_no_loss(archive: Archive) -> None:
     assert archive.read(addresses) == PACKED
 
 
-def test_what_a_full_disk_does_not_take_gets_no_address(
-    archive: Archive, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("obstore.put", refuse)
-    with pytest.raises(ArchiveAwayError, match="No space left"):
-        archive.put(RESULTS)
-
-
 def test_what_is_read_back_differently_gets_no_address(
     archive: Archive, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -128,12 +117,7 @@ def test_one_that_hangs_holds_a_few_threads(archive: Archive, monkeypatch: pytes
 
 @pytest.mark.parametrize(
     ("url", "said"),
-    [
-        ("ftp://a", "no archive"),
-        ("file://a/b", "no archive"),
-        ("s3://", "no archive"),
-        ("/folder", "no archive"),
-    ],
+    [("ftp://a", "no archive"), ("s3://", "no archive")],
 )
 def test_an_address_that_is_no_archive_is_refused(url: str, said: str) -> None:
     with pytest.raises(ValueError, match=said):

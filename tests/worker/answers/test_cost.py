@@ -27,7 +27,6 @@ from worker.answers.workspaces import WORKSPACE
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()
 EXTREME = {"a2x": "1" + "0" * 200, "a3x": "0", "a3y": "1", "d1": "1", "d2": f"0.{'0' * 99}1", "d3": "1"}
-TINY = f"0.{'0' * 199}1"
 LONG = {name: "".join(reversed(x)) + "7" * 390 for name, x in INNOCENTI.items()} | {"a3x": "1", "d3": "2"}
 
 
@@ -79,16 +78,11 @@ def test_each_kind_has_a_cost_that_grows_with_each_size(kind: Kind) -> None:
 @pytest.mark.parametrize(
     ("kind", "content", "geometry", "low", "high"),
     [
-        # measured by benchmarks/cost.py; within a factor of three
-        (CUSP_TABLE, {"l1": ["14.98"], "digits": 15}, INNOCENTI, 0.02, 0.16),
         (CUSP_TABLE, {"l1": [str(n) for n in range(1, 2001)], "digits": 15}, INNOCENTI, 1, 9),
         (CUSP_TABLE, {"l1": [str(n) for n in range(1, 2001)], "digits": 1000}, INNOCENTI, 4, 30),
-        (CUSP_TABLE, {"l1": ["14.98"], "digits": 10_000}, INNOCENTI, 0.05, 0.4),
         (CUSP_TABLE, {"l1": ["1"], "digits": 15}, EXTREME, 1.2, 11),
-        (CUSP_TABLE, {"l1": [TINY], "digits": 15}, EXTREME, 1.5, 14),
         (CENSUS, WHOLE, INNOCENTI, 0.15, 1.4),
         (CENSUS, WHOLE, LONG, 10, 1e5),
-        (CUSP_CURVES, CONTENTS[CUSP_CURVES], LONG, 10, 1e5),
     ],
 )
 def test_estimates(
@@ -109,14 +103,10 @@ def of_one_slice(l1: str, cusps: int = 0) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("document", "least", "most"),
     [
-        # with what they were found to take, in seconds; the estimates are at least a quarter of it
-        (of_one_slice("14.98", 6), 0.1, 0.5),  # 0.07
-        (of_one_slice("14." + "9" * 200), 0.1, 0.5),  # 0.10
+        (of_one_slice("14.98", 6), 0.1, 0.5),
         (of_one_slice("14.98", 3000), 10, 30),
         ({**POSES, "l1": "14." + "9" * 200, "l2": "15." + "8" * 200, "l3": "20." + "7" * 200}, 0.1, 0.5),
-        ({**TABLE, "range": {"from": "20"}, "transitions": [], "intervals": [CUSP] * 20}, 2, 8),  # 2.0
-        ({**of_one_slice("14.98"), "slices": [{"l1": str(k)} for k in range(20)]}, 1, 4),  # 1.3
-        ({**TABLE, "range": {"from": "25"}, "curves": [{}] * 10}, 8, 30),  # 15
+        ({**TABLE, "range": {"from": "25"}, "curves": [{}] * 10}, 8, 30),
     ],
     ids=lambda value: str(value)[-30:] if isinstance(value, dict) else "",
 )
@@ -139,10 +129,6 @@ NEARLY_FLAT = {
     "d3": f"5.{'0' * 28}11",
 }
 HERON = {"a2x": "14", "a3x": "5", "a3y": "12", "d1": "14", "d2": "15", "d3": "13", "orientation": "ccw"}
-NEARLY_CONGRUENT = {
-    **{"a2x": "14.000009", "a3x": "5.000009", "a3y": "12.000009"},
-    **{"d1": "14.000018", "d2": "15.000018", "d3": "12.999991", "orientation": "cw"},
-}
 PERMUTED = {"a2x": "14", "a3x": "5", "a3y": "12", "d1": "14", "d2": "13", "d3": "15"}
 """A congruent platform, its corners in another order."""
 ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "orientation": "ccw"}
@@ -153,11 +139,7 @@ ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "
     [
         (NEARLY_FLAT, 0.7),
         ({**ROUND, "a3y": f"0.{'0' * 13}1"}, 0.2),
-        ({**ROUND, "d1": "10", "d2": "5", "d3": "5.00000001"}, 0.2),
-        ({**HERON, "a2x": "14.00000000001"}, 0.2),
         ({**HERON, "a2x": f"14.{'0' * 15}1"}, 0.2),
-        ({**HERON, "d1": "28", "d2": "30", "d3": f"26.{'0' * 15}1"}, 0.3),
-        ({"a2x": "2", "a3x": "1", "a3y": "1.7320508075688772", "d1": "1", "d2": "1", "d3": "1"}, 0.3),
         ({**PERMUTED, "a3x": "4.99999999999999999996", "d2": "13.00000000000000000004"}, 0.5),
     ],
 )
@@ -173,21 +155,31 @@ def test_a_tolerance_is_priced_with_the_margin() -> None:
     assert plain + 0.9 * margin < estimate(CHECK, within, INNOCENTI) < 2 * (plain + margin)
 
 
-@pytest.mark.parametrize(
-    "geometry", [HERON, PERMUTED, ROUND, {**ROUND, "a3y": "0"}, {**HERON, "d3": "13.1"}, INNOCENTI]
-)
+@pytest.mark.parametrize("geometry", [HERON, ROUND, {**ROUND, "a3y": "0"}])
 def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
     assert estimate(CENSUS, WHOLE, geometry) < 1
+
+
+def test_the_margin_of_a_slice_of_a_flat_platform_is_not_dear() -> None:
+    flat = {**HERON, "d1": "28"}
+    slice_, window = {"length": "9"}, {"window": 1}
+    assert estimate(MARGIN, slice_, flat) < 0.08 < 1 < estimate(MARGIN, slice_, HERON)
+    assert estimate(MARGIN, window, flat) > 1
+
+
+def test_changes_of_nearly_similar_triangles_are_dear_if_their_senses_agree() -> None:
+    near = {**HERON, "d1": "28", "d2": "30", "d3": f"26.{'0' * 30}1"}
+    agree, differ = (estimate(MODES, {"length": "9"}, {**near, "orientation": x}) for x in ("ccw", "cw"))
+    assert differ < agree / 2
+    congruent = {**HERON, "d3": f"13.{'0' * 30}1", "orientation": "cw"}
+    assert estimate(MODES, {"length": "9"}, congruent) > 2 * differ
 
 
 @pytest.mark.parametrize(
     ("kind", "content", "least"),
     [
-        # with what they were found to take, in seconds
-        (CUSP_CURVES, {**WHOLE, "lengths": [], "samples": 14}, 5),  # 13.9
-        (PLOT, {"plot": "margin", "theme": "light", "range": ALL_LENGTHS}, 8),  # 31.5
-        (PLOT, {"plot": "locus", "theme": "light", "range": ALL_LENGTHS}, 5),  # 19.1
-        (ARTICLE_TABLE, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),  # > 16
+        (CUSP_CURVES, {**WHOLE, "lengths": [], "samples": 14}, 5),
+        (ARTICLE_TABLE, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),
     ],
 )
 def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, Any], least: float) -> None:
@@ -197,15 +189,10 @@ def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, An
 @pytest.mark.parametrize(
     ("kind", "content", "geometry", "least"),
     [
-        # with what they were found to take, in seconds
-        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 201)]}, HERON, 2),  # 4.8
-        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 201)]}, {**ROUND, "a3y": "0"}, 2),  # 4.2
-        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),  # 26
-        (SINGULAR_CURVES, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
-        (PATH, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
-        (CUSP_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 2.5),  # 2.8
-        (ARTICLE_TABLE, {"l1": ["14.98"]}, {**ROUND, "a3y": "0", "d3": "11"}, 1),  # 1.8
-        (ASPECTS, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
+        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 201)]}, HERON, 2),
+        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),
+        (PATH, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),
+        (ASPECTS, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),
     ],
 )
 def test_found_by_the_search(
@@ -241,12 +228,7 @@ def test_what_is_computed_once_costs_once() -> None:
 
 @pytest.mark.parametrize(
     ("geometry", "length", "low", "high"),
-    [
-        # with what they were found to take, in seconds; within a factor of two
-        (INNOCENTI, "14.98", 0.004, 0.014),  # 0.007
-        (INNOCENTI, "14." + "7" * 400, 0.07, 0.28),  # 0.14
-        ({**INNOCENTI, **dict.fromkeys(("a2x", "a3x", "a3y"), "7" * 31 + ".3")}, "2", 0.015, 0.07),  # 0.03
-    ],
+    [(INNOCENTI, "14.98", 0.004, 0.014), (INNOCENTI, "14." + "7" * 400, 0.07, 0.28)],
 )
 def test_few_slices_are_charged_at_their_lengths_alone(
     geometry: dict[str, str], length: str, low: float, high: float

@@ -93,6 +93,7 @@ def test_chunks_share_a_search_and_one_continues_where_another_died(
     assert fresh == [best["check"], best["census"]]
 
 
+@pytest.mark.long
 def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str]) -> None:
     told: list[dict[str, Any]] = []
 

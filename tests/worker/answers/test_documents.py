@@ -6,7 +6,7 @@ import pytest
 from redis import Redis
 
 import rpr_solver
-from rpr_solver import EXAMPLES, SolverError, poses
+from rpr_solver import EXAMPLES, SolverError
 from tests.support.jobs import a_request, depth, open_chunks, perform
 from worker.answers.censuses import CENSUS
 from worker.answers.documents import CUSP_CURVES, POSES, VERIFICATION
@@ -29,21 +29,6 @@ def request_() -> JobRequest:
 def open_chunk(queue: JobQueue) -> ChunkRef:
     [ref] = open_chunks(queue)
     return ref
-
-
-def test_from_queued_to_succeeded(queue: JobQueue, request_: JobRequest) -> None:
-    assert queue.known(request_) is None
-    view = queue.submit(request_)
-    assert (view.id, view.status, view.done, view.total) == (request_.job_id, "queued", 0, 1)
-    assert queue.submit(request_).run == view.run
-    assert depth(queue) == 1
-    perform(queue)
-    done = queue.get(view.id)
-    assert done is not None
-    assert (done.status, done.done, done.total) == ("succeeded", 1, 1)
-    expected = poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
-    assert queue.result(view.id) == queue.known(request_) == expected
-    assert queue.submit(request_).run == view.run
 
 
 @pytest.mark.parametrize("end", ["succeeds", "is canceled", "is known"])
@@ -105,16 +90,6 @@ def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, request_:
     assert open_chunks(queue) == {}
 
 
-def test_a_document_that_was_lost_is_computed_again(
-    queue: JobQueue, redis: Redis, request_: JobRequest
-) -> None:
-    first = queue.submit(request_)
-    perform(queue)
-    redis.delete(queue.store.keys.document(request_.content_hash))
-    assert queue.result(first.id) is None
-    assert queue.submit(request_).status == "queued"
-
-
 def test_progress_is_reported_and_ignored_after_the_end(queue: JobQueue, request_: JobRequest) -> None:
     view = queue.submit(request_)
     ref = open_chunk(queue)
@@ -128,21 +103,6 @@ def test_progress_is_reported_and_ignored_after_the_end(queue: JobQueue, request
     done = queue.get(view.id)
     assert done is not None
     assert (done.status, done.done, done.total) == ("succeeded", 8, 8)
-
-
-def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
-    queue: JobQueue, request_: JobRequest
-) -> None:
-    view = queue.submit(request_)
-    ref = open_chunk(queue)
-    Attempts(queue.redis, queue.settings).start(ref, 0, 0)
-    canceled = queue.cancel(view.id)
-    assert canceled is not None
-    assert canceled.status == "canceled"
-    Attempts(queue.redis, queue.settings).put_document(ref, request_, {"answer": 42})
-    assert queue.get(view.id) == canceled
-    assert queue.result(view.id) is None
-    assert queue.known(request_) == {"answer": 42}  # valid whatever the state of the job
 
 
 @pytest.mark.parametrize(

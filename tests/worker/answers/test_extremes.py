@@ -31,7 +31,7 @@ _NO_LENGTHS = {"path": {"from", "to"}, "singular-curves": {"tolerance"}}
 KINDS = sorted(name for name in seeds() if name != "verification")
 _EXACT = {"cusp-table", "article-table", "poses", "census"}
 """Kinds in whose answers no place is chosen, as samples are, and no double is printed."""
-_QUICK = 2.0
+_QUICK = 1.0
 """Seconds that an answer may be expected to take in the usual run."""
 
 
@@ -193,7 +193,7 @@ def test_a_chord_of_any_length() -> None:
 
 
 def test_limits_beyond_all_poses_change_nothing() -> None:
-    asked = {"range": {"from": 20, "to": 26}, "max_cusps": 6}
+    asked = {"range": {"from": 23, "to": 24}, "max_cusps": 6}
     plain, far = (
         outcome(request_of("check", {"geometry": G, "requirement": asked | more}))
         for more in ({}, {"limits": {"l2": {"max": "1e300"}}})

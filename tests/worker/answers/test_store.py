@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 
-import pytest
 from redis import Redis
 
 import rpr_solver
@@ -91,15 +90,6 @@ def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
         assert held
 
 
-def test_a_lock_expires_so_that_a_dead_worker_blocks_no_other(redis: Redis) -> None:
-    store = ResultStore(redis, WorkerSettings())
-    request = a_request("1")
-    key = store.keys.eliminant_lock(request.geometry_hash, 1)
-    with store.eliminant_lock(request):
-        assert 0 < redis.pttl(key) <= 1000 * LOCK_SECONDS
-    assert not redis.exists(key)
-
-
 def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
     settings, ref = WorkerSettings(), ChunkRef("some", "run", 0, 0)
     store, attempts = ResultStore(redis, settings, holder=ref.rq_id), Attempts(redis, settings)
@@ -127,14 +117,6 @@ def test_a_lock_that_expired_is_not_released_for_its_next_holder(redis: Redis) -
         late.close()
         assert redis.exists(key)
     assert not redis.exists(key)
-
-
-def test_an_error_releases_the_lock(redis: Redis) -> None:
-    store = ResultStore(redis, WorkerSettings())
-    request = a_request("1")
-    with pytest.raises(ZeroDivisionError), store.eliminant_lock(request):
-        raise ZeroDivisionError
-    assert not redis.exists(store.keys.eliminant_lock(request.geometry_hash, 1))
 
 
 def test_the_eliminant_is_kept(redis: Redis) -> None:

@@ -109,15 +109,6 @@ def test_what_is_young_and_small_stays(store: ResultStore, mover: Mover) -> None
     assert mover.move(1) == 31
 
 
-def test_what_is_large_moves_after_a_minute(store: ResultStore, mover: Mover) -> None:
-    large = a_pose_table("15")
-    store.put_document(large, {"poses": [slice_of(str(i)) for i in range(200)]})
-    assert mover.move(1) == 0
-    age(store, 70)
-    assert mover.move(1) == 1
-    assert (store.get_text(large.content_hash) or b"")[:9] == b'{"poses":'
-
-
 def test_what_is_young_moves_if_redis_is_rather_full(mover: Mover, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Inventory, "memory", lambda _: (80, 100.0))
     assert mover.move(1) == 31

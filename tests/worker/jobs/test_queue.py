@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple
 
 import pytest
@@ -22,7 +21,7 @@ from tests.support.jobs import (
     table_of,
 )
 from worker.answers.kind import JobRequest
-from worker.answers.kinds import Item, request_from_json
+from worker.answers.kinds import Item
 from worker.jobs import sweeper
 from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkRef
@@ -30,13 +29,9 @@ from worker.jobs.interruptions import Cause, Interruptions
 from worker.jobs.plan import QueueFullError
 from worker.jobs.queue import JobQueue
 from worker.jobs.quotas import Quota, QuotaError
-from worker.jobs.records import Client
-from worker.jobs.view import ACTIVE, JobView
+from worker.jobs.view import JobView
 from worker.process import tasks
 from worker.settings import WorkerSettings
-
-ANN, BEN, CAT = (Client(f"key:{name}", is_known=True) for name in ("ann", "ben", "cat"))
-ANYBODY = Client("address:192.0.2.1", is_known=False)
 
 
 def state(queue: JobQueue, job_id: str) -> JobView:
@@ -84,17 +79,6 @@ def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) ->
     ]
     assert queue.submit(table_request).run == view.run
     assert queue.records.active() == []
-
-
-def test_an_unknown_job(queue: JobQueue) -> None:
-    assert queue.get("ct-0") is queue.result("ct-0") is queue.cancel("ct-0") is None
-
-
-def test_equal_questions_at_the_same_time_are_one_job(queue: JobQueue, table_request: JobRequest) -> None:
-    with ThreadPoolExecutor(8) as pool:
-        runs = {view.run for view in pool.map(lambda _: queue.submit(table_request), range(8))}
-    assert len(runs) == 1
-    assert depth(queue) == len(open_chunks(queue)) == 1
 
 
 @pytest.mark.parametrize("end", ["failed", "canceled", "expired"])
@@ -184,23 +168,6 @@ def test_what_ends_its_worker_again_and_again_is_given_up(queue: JobQueue) -> No
 
 
 # -- clients
-
-
-def test_the_last_key_ends_the_job(queue: JobQueue) -> None:
-    view = queue.submit(a_request("1"), by=ANN)
-    queue.submit(a_request("1"), by=BEN)
-    for who, is_over in ((CAT, False), (ANN, False), (ANN, False), (BEN, True)):
-        after = queue.withdraw(view.id, who)
-        assert after is not None
-        assert after.is_terminal is is_over
-    assert queue.submit(a_request("1"), by=ANN).run != view.run
-
-
-def test_without_a_key_anybody_ends_a_job(queue: JobQueue) -> None:
-    view = queue.submit(a_request("1"), by=ANYBODY)
-    after = queue.withdraw(view.id, Client("address:192.0.2.2", is_known=False))
-    assert after is not None
-    assert after.status == "canceled"
 
 
 def test_quotas_of_jobs_and_of_work(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -304,24 +271,6 @@ def test_a_job_that_lost_its_chunks_fails(queue: JobQueue, redis: Redis) -> None
 
 
 # -- lists
-
-
-def test_lists_the_newest_first(queue: JobQueue) -> None:
-    jobs = [queue.submit(a_pose_table(str(n)), by=ANN if n % 2 else BEN).id for n in range(10, 15)]
-    every = frozenset({*ACTIVE, "canceled"})
-    page = queue.listing.page("jobs", None, every, "", 3)
-    assert [item.view.id for item in page.items] == jobs[:1:-1]
-    rest = queue.listing.page("jobs", None, every, page.before or "", 3)
-    assert [item.view.id for item in rest.items] == jobs[1::-1]
-    assert [item.view.id for item in queue.listing.page("jobs", ANN.id, every, "", 9).items] == jobs[3::-2]
-    queue.cancel(jobs[0])
-    assert len(queue.listing.page("jobs", None, ACTIVE, "", 9).items) == 4
-    assert queue.listing.page("batches", None, every, "", 9).items == []
-
-
-def test_points_are_kept_with_a_question() -> None:
-    request = a_request("1")
-    assert request_from_json(request.to_json()) == request
 
 
 def test_of_a_long_item_the_hash_is_kept_once_it_is_answered(queue: JobQueue) -> None:

@@ -45,9 +45,7 @@ def test_as_many_files_as_the_system_allows() -> None:
     ("groups", "files", "megabytes"),
     [
         ("0::/a/b", {"a/b/memory.max": "max", "a/memory.max": 300 << 20, "memory.max": 500 << 20}, 300),
-        ("0::/not/here", {"memory.max": 200 << 20}, 200),
         ("7:cpu:/\n4:memory:/a", {"memory/a/memory.limit_in_bytes": 100 << 20}, 100),
-        ("4:cpu,memory:/a", {"memory/memory.limit_in_bytes": 150 << 20}, 150),
         ("0::/", {"memory.max": "max"}, None),
         ("4:memory:/a", {"memory/a/memory.limit_in_bytes": 1 << 62}, None),
     ],

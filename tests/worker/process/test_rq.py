@@ -158,20 +158,6 @@ def test_rq_repeats_an_abandoned_job_wrongly(redis: Redis) -> None:
     assert ends != ["finished", 0, 0]
 
 
-def test_an_idle_installation_asks_redis_little(redis: Redis, workers: Workers) -> None:
-    """One API process and two workers send at most ten commands in a second."""
-    workers.start("light")
-    workers.start()
-    time.sleep(1)
-
-    def commands() -> int:
-        return int(redis.info("stats")["total_commands_processed"])
-
-    before, start = commands(), time.monotonic()
-    time.sleep(10)
-    assert (commands() - before) / (time.monotonic() - start) < 8, "an API process adds 1"
-
-
 def test_another_version_of_rq_is_refused(valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("worker.process.program.VERSION", "3.0.0")
     with pytest.raises(WorkerError, match=r"needs RQ 2\.12, and RQ 3\.0\.0 is installed"):
