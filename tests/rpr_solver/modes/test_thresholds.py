@@ -41,6 +41,7 @@ def asked(length: Any, **thresholds: Any) -> Any:
     return assembly_modes(FIRST, length, with_regions=False, **thresholds)
 
 
+@pytest.mark.long
 def test_every_witness_has_its_clearance() -> None:
     witness = asked(27).witness
     grid = WidthGrid(FIRST, 1, 27.0, 120)
@@ -222,7 +223,7 @@ def test_a_range_keeps_a_clearance_or_excludes_it(mode_change: Any, clearance: i
     assert check(FIRST, wish, digits=15).passed is passed
 
 
-@pytest.mark.parametrize("limits", [None, {"l2": (14, 16), "l3": (22, 24)}])
+@pytest.mark.parametrize("limits", [long(None), {"l2": (14, 16), "l3": (22, 24)}])
 def test_what_no_path_keeps_stays_so_for_neighbours(limits: Any) -> None:
     tolerance = "0.01"
     answer = assembly_modes(FIRST, 27, limits=limits, clearance=60, tolerance=tolerance, with_regions=False)
