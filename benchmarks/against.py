@@ -4,7 +4,8 @@
 
 The commit is checked out into a temporary folder and runs under the same interpreter. Only public names are
 used. In each round both trees do the same work, one after the other, each in a process of its own; a row
-gives the medians and the median of the rounds' ratios, this tree over the other.
+gives the medians and the median of the rounds' ratios, this tree over the other. Times are those of the
+processor, but for the service.
 """
 
 from __future__ import annotations
@@ -20,14 +21,22 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 PREPARE = """
-import time
+import random, time
 from fractions import Fraction
-from rpr_solver import EXAMPLES, census, cusp_curves, eliminate, solve_slice
+from rpr_solver import EXAMPLES, Manipulator, Requirement, census, cusp_curves
+from rpr_solver import design, eliminate, margin, solve_slice
 innocenti = EXAMPLES["innocenti"]
-def timed(work):
-    start = time.perf_counter()
+def timed(work, clock=time.process_time):
+    start = clock()
     work()
-    print(time.perf_counter() - start)
+    print(clock() - start)
+rng = random.Random(24)
+randoms = [
+    Manipulator(*(Fraction(rng.randint(2000, 3000), 100) for _ in range(6)), sign)
+    for sign in ("ccw", "cw") * 5
+]
+slices = [(innocenti, "28.1", 1), (randoms[0], 20, 1), (randoms[1], 15, 2), (randoms[2], 25, 3)]
+four_cusps = Requirement(start=5, stop=30, max_cusps=4)
 """
 SCAN = """
 import re, subprocess, sys, tempfile, httpx
@@ -43,7 +52,7 @@ with tempfile.TemporaryDirectory() as folder:
                 assert job.status_code == 200, job.text
             while client.get("/readyz").status_code != 200:
                 time.sleep(0.05)
-            timed(scan)
+            timed(scan, time.perf_counter)
     finally:
         serve.terminate()
         serve.wait()
@@ -53,6 +62,11 @@ WORK = {
     "200 slices at 90 digits": "e = eliminate(innocenti)\n"
     "timed(lambda: [solve_slice(e, Fraction(k, 4), 90) for k in range(1, 201)])",
     "census, 30 digits": "timed(lambda: census(innocenti, digits=30))",
+    "10 random censuses": "census(innocenti)\ntimed(lambda: [census(m, digits=15) for m in randoms])",
+    "4 margins": "margin(innocenti, '28.1', tolerance='0.0005')\n"
+    "timed(lambda: [margin(m, length, fixed_leg=leg) for m, length, leg in slices])",
+    "design of 30 censuses": "census(innocenti)\n"
+    "timed(lambda: design(innocenti, 'longest-range', four_cusps, vary='15%', budget=30))",
     "cusp curves, 30 digits": "timed(lambda: cusp_curves(innocenti, digits=30))",
     "501 slices over HTTP": SCAN,
 }

@@ -139,38 +139,51 @@ class Sinusoids(NamedTuple):
         j = 0 less iⁱ times the third one.
         """
         p, q, b, d, r, w = self
-        both, base, platform = _cycle(p, q), _cycle(b, d), _cycle(r, w)
 
         def derivative(i: int, j: int) -> Any:
-            value = both[(i - j) % 4]
+            parts = [_part(p, q, i - j)]
             if i == 0:
-                value = value - base[j % 4]
+                parts.append(_part(b, d, j))
             if j == 0:
-                value = value - platform[i % 4]
-            return value
+                parts.append(_part(r, w, i))
+            return _difference(*parts)
 
         return derivative
 
     def slope_derivatives(self, length: Any) -> tuple[Derivatives, Derivatives]:
         """∂α^i ∂θ^j of f_α and of φ, in the same way."""
         p, q, b, d, r, w = self
-        both, base, platform = _cycle(p, q), _cycle(b, d), _cycle(r, w)
-        long = _cycle(p * length, q * length)
+        long_p, long_q = p * length, q * length
 
         def alpha(i: int, j: int) -> Any:
-            value = long[(i + 1 - j) % 4]
-            return value - platform[(i + 1) % 4] if j == 0 else value
+            own = _part(long_p, long_q, i + 1 - j)
+            return _difference(own, _part(r, w, i + 1)) if j == 0 else _difference(own)
 
         def phi(i: int, j: int) -> Any:
-            value = both[(i - j - 1) % 4]
-            return value - base[(j + 1) % 4] if i == 0 else value
+            own = _part(p, q, i - j - 1)
+            return _difference(own, _part(b, d, j + 1)) if i == 0 else _difference(own)
 
         return alpha, phi
 
 
-def _cycle(x: Any, y: Any) -> tuple[Any, Any, Any, Any]:
-    """The real parts of x + i y times 1, i, i² and i³."""
-    return x, -y, -x, y
+_Signed = tuple[Any, bool]
+"""An element and whether it is to be negated."""
+
+
+def _part(x: Any, y: Any, power: int) -> _Signed:
+    """The real part of x + i y times a power of i."""
+    return (y if power % 2 else x), power % 4 in (1, 2)
+
+
+def _difference(first: _Signed, *others: _Signed) -> Any:
+    """The first one less the others."""
+    value, negative = first
+    for other, less in others:
+        if negative == less:
+            value, negative = (other - value if negative else value - other), False
+        else:
+            value = value + other
+    return -value if negative else value
 
 
 Derivatives = Callable[[int, int], Any]

@@ -19,8 +19,9 @@ import numpy as np
 from rpr_solver.exact.decimals import rounded_down, rounded_up
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
+from rpr_solver.margins.expansions import ANGLES
 from rpr_solver.margins.located import CRITICAL, SWALLOWTAILS, Located, Start, locate
-from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem
+from rpr_solver.margins.problems import GeometryBox, Problem
 from rpr_solver.margins.zones import Zones
 from rpr_solver.model.lengths import LengthRange
 

@@ -15,8 +15,9 @@ it has.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
+from functools import partial
 from itertools import combinations, groupby
 from typing import TYPE_CHECKING
 
@@ -44,7 +45,7 @@ _PRECISE, _SAME = 1e-9, 1e-6
 _STATIONARY = 0.25
 """A leg is not used where its squared gradient is less than this share of the other's."""
 _TINY = 1e-300
-_SWALLOWTAIL, _FOLD, _LIMIT = "swallowtail", "fold", "limit"
+_SWALLOWTAIL, _FOLD, _LIMIT = range(3)
 _FEW_SHARES = np.linspace(0, 1, 17)
 _SHARES = np.linspace(0, 1, 257)
 """How the weight is shared between two transitions: multipliers of a linear programme."""
@@ -244,10 +245,28 @@ def _direction(pull: Doubles, weights: Sequence[float | Fraction]) -> tuple[floa
 class _Aim:
     """A system of functions: (K, E, S), (K, ∇K) or (K, E, |leg|² − bound²), with v of leg f (0) or g (1)."""
 
-    kind: str
+    kind: int
     leg: int
     limited: int = 0
     bound: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Aims:
+    """The members of aims, each for some poses."""
+
+    kind: NDArray[np.int64]
+    leg: NDArray[np.int64]
+    limited: NDArray[np.int64]
+    bound: Doubles
+
+    @classmethod
+    def of(cls, aims: Sequence[_Aim], poses: int) -> _Aims:
+        """Each aim for so many poses."""
+        return cls(*(np.repeat([getattr(aim, x.name) for aim in aims], poses) for x in fields(cls)))
+
+    def __getitem__(self, poses: Flags) -> _Aims:
+        return _Aims(self.kind[poses], self.leg[poses], self.limited[poses], self.bound[poses])
 
 
 class _Linear:
@@ -300,7 +319,7 @@ class _Slice:
     geometry: Doubles
     weights: Doubles
 
-    def functions(self, aim: _Aim, pose: Doubles, geometry: Doubles) -> tuple[Doubles, Doubles, Flags]:
+    def functions(self, aims: _Aims, pose: Doubles, geometry: Doubles) -> tuple[Doubles, Doubles, Flags]:
         """T, its derivatives by α, θ and the lengths, scaled, and where the leg is nearly stationary."""
         lengths = [_variable(x, 2 + k) for k, x in enumerate(geometry)]
         legs = moving_legs(lengths, third_corner(lengths[3:], self.orientation), self.fixed_leg)
@@ -308,29 +327,34 @@ class _Slice:
         angles = (alpha, (1, 0)), (theta, (0, 1)), (alpha - theta, (1, -1))
         turns = [PlaneNumber(*_turn(angle, signs)) for angle, signs in angles]
         fixed = _variable(np.full(alpha.shape, self.length))
-        systems = Systems(turns, (fixed, 1), legs, 2 if aim.kind == _SWALLOWTAIL else 1)
-        if aim.kind == _LIMIT:
-            k, square = systems.singularity, _variable(np.full(alpha.shape, aim.bound**2))
-            found = [k.value, systems.along(aim.leg, k).value, systems.excess(aim.limited, square)]
-        else:
-            found = [
-                x.value for x in (systems.critical if aim.kind == _FOLD else systems.swallowtails(aim.leg))
-            ]
-        own, other = (sum(x.rows[0] ** 2 for x in systems.tangent(leg)) for leg in (aim.leg, 1 - aim.leg))
-        rows = np.array([function.rows for function in found])
-        values, slopes = rows[:, 0], rows[:, 1:]
+        systems = Systems(turns, (fixed, 1), legs)
+        k, *found = systems.swallowtails(partial(_where, aims.leg == 0))
+        _, *slopes_of_k = systems.critical
+        rows = [x.value.rows for x in (k, *found)]
+        for place, slope in enumerate(slopes_of_k, 1):
+            rows[place] = np.where(aims.kind == _FOLD, slope.value.rows, rows[place])
+        if (aims.kind == _LIMIT).any():
+            square = _variable(aims.bound**2)
+            excess = _where(aims.limited == 0, *(systems.excess(leg, square) for leg in (0, 1)))
+            rows[2] = np.where(aims.kind == _LIMIT, excess.rows, rows[2])
+        f, g = (sum(x.rows[0] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
+        own, other = np.where(aims.leg == 0, (f, g), (g, f))
+        whole = np.array(rows)
+        values, slopes = whole[:, 0], whole[:, 1:]
         scale = 1 / (abs(slopes).sum(axis=1) + _TINY)
-        return values * scale, slopes * scale[:, None], own < _STATIONARY * other
+        is_stationary = (own < _STATIONARY * other) & (aims.kind != _FOLD)
+        return values * scale, slopes * scale[:, None], is_stationary
 
-    def chase(self, aim: _Aim) -> tuple[Doubles, Doubles]:
-        """The radii and the signs that are found from a grid of poses."""
+    def chase(self, wanted: Sequence[_Aim]) -> tuple[Doubles, Doubles]:
+        """The radii and the signs that are found from a grid of poses, for some aims."""
         places = (np.arange(_STARTS) + 0.5) * (2 * np.pi / _STARTS)
-        pose = np.array([np.repeat(places, _STARTS), np.tile(places, _STARTS)])
+        grid = np.array([np.repeat(places, _STARTS), np.tile(places, _STARTS)])
+        pose, aims = np.tile(grid, len(wanted)), _Aims.of(wanted, _STARTS**2)
         start, w = self.geometry[:, None], self.weights[:, None]
-        change, radius = np.zeros((len(LENGTHS), _STARTS**2)), np.zeros(_STARTS**2)
+        change, radius = np.zeros((len(LENGTHS), pose.shape[1])), np.zeros(pose.shape[1])
         signs, size = np.zeros_like(change), radius
         for step in range(_FREE + _FIXED):
-            values, slopes, is_stationary = self.functions(aim, pose, start + change)
+            values, slopes, is_stationary = self.functions(aims, pose, start + change)
             by_pose, by_length = slopes[:, :2], slopes[:, 2:]
             null = np.cross(by_pose[:, 0], by_pose[:, 1], axis=0)
             null /= np.sqrt((null * null).sum(axis=0)) + _TINY
@@ -344,12 +368,12 @@ class _Slice:
             moved = signs * w * farther
             turn = _solved(by_pose, -values - (by_length * (moved - change)).sum(axis=1))
             size = np.maximum(abs(turn).max(axis=0), abs(moved - change).max(axis=0))
-            size[is_stationary & (aim.kind != _FOLD)] = np.inf
+            size[is_stationary] = np.inf
             pose = pose + turn * np.minimum(1, _FARTHEST_TURN / abs(turn).max(axis=0))
             change, radius = moved, farther
             kept = np.isfinite(radius) & np.isfinite(pose).all(axis=0)
             pose, change, signs = pose[:, kept], change[:, kept], signs[:, kept]
-            radius, size = radius[kept], size[kept]
+            radius, size, aims = radius[kept], size[kept], aims[kept]
         good = (size < _PRECISE) & (radius > 0)
         return radius[good], signs[:, good] * (w > 0)
 
@@ -380,11 +404,8 @@ def nearest(
         slices = _Slice(fixed_leg, orientation_of(manipulator), length / unit, geometry / unit, w / most)
         bounded = [_Aim(_LIMIT, leg, of, double(bound) / unit) for of, bound in limited for leg in (0, 1)]
         with np.errstate(all="ignore"):
-            for aim in (*aims, *bounded):
-                radii, signs = slices.chase(aim)
-                found += [
-                    (radius * unit / most, tuple(sign)) for radius, sign in zip(radii, signs.T, strict=True)
-                ]
+            radii, signs = slices.chase([*aims, *bounded])
+        found += [(radius * unit / most, tuple(sign)) for radius, sign in zip(radii, signs.T, strict=True)]
     return _distinct(sorted(found))
 
 
@@ -403,6 +424,10 @@ def _solved(matrix: Doubles, values: Doubles) -> Doubles:
     u, v = (x * values).sum(axis=0), (y * values).sum(axis=0)
     solution: Doubles = np.array([c * u - b * v, a * v - b * u]) / (a * c - b * b)
     return solution
+
+
+def _where(poses: Flags, one: _Linear, other: _Linear) -> _Linear:
+    return _Linear(np.where(poses, one.rows, other.rows))
 
 
 def _variable(values: Doubles, place: int | None = None) -> _Linear:

@@ -15,9 +15,9 @@ import numpy as np
 
 from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.contract import LENGTHS
-from rpr_solver.margins.expansions import Expansion, combined, lowest, where
+from rpr_solver.margins.expansions import ANGLES, Expansion, combined, lowest, where
 from rpr_solver.margins.options import MayGoOn
-from rpr_solver.margins.problems import ANGLES, BoxRing, Problem
+from rpr_solver.margins.problems import BoxRing, Problem
 from rpr_solver.margins.zones import Zones
 
 if TYPE_CHECKING:
@@ -121,23 +121,23 @@ class _Search:
         order = np.argsort(f < g, kind="stable")
         left, is_f = left[order], ~(f < g)[order]
         if left.size:
-            left, is_f, easy = self._first(systems, left, is_f)
+            systems, left, is_f, easy = self._first(systems, left, is_f)
         if not left.size:
             return left, boxes.low[:, left]
         known = None if self._zones is None else self._zones.known(boxes[left])
         return self._second(systems, ring, left, is_f, easy, known)
 
-    def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Places, Flags, Trial]:
+    def _first(self, whole: Systems, places: Places, is_f: Flags) -> tuple[Systems, Places, Flags, Trial]:
         """The boxes on which (K, E) may vanish, with v that of leg f or g, and what is known of them."""
         systems = whole.mapped(lambda x: x.of(places), 1)
         k = systems.singularity
         easy = self._trial([k.value, systems.along(partial(where, is_f), k).value])
-        left = ~easy.proved
-        return places[left], is_f[left], easy[left]
+        left = np.flatnonzero(~easy.proved)
+        return systems.mapped(lambda x: x.of(left), 2), places[left], is_f[left], easy[left]
 
     def _second(
         self,
-        whole: Systems,
+        systems: Systems,
         ring: BoxRing,
         places: Places,
         is_f: Flags,
@@ -145,19 +145,19 @@ class _Search:
         known: Flags | None,
     ) -> tuple[Places, Doubles]:
         """As :meth:`undecided`, of the boxes that are left."""
-        systems = whole.mapped(lambda x: x.of(places), 2)
         leg = partial(where, is_f)
         tests = self._problem.tests(systems, leg, lambda x: ring.constant(x).of(places))
         outside = np.zeros(places.shape, dtype=bool)
         for limit, (*_, excess) in zip(self._problem.limits, tests[2:], strict=True):
             outside |= limit.side * excess.terms[0] > excess.change
-        trials = [self._trial(test) for test in tests]
-        values = np.array([trial.values for trial in trials])
+        joint = self._trial([Expansion.joined(part) for part in zip(*tests, strict=True)])
+        values = joint.values.reshape(len(tests), -1)
+        several = np.split(joint.shares, len(tests), axis=1)
         if known is not None:
             values[: len(known)][known] = np.inf
         proved = (values > 0).all(axis=0)
         proved &= np.any([abs(x.terms[0]) > x.change for x in systems.tangent(leg)], axis=0)
-        shares = np.choose(values.argmin(axis=0), [trial.shares for trial in trials])
+        shares = np.choose(values.argmin(axis=0), several)
         shares = np.where(easy.values > values.min(axis=0), easy.shares, shares)
         left = ~(proved | outside)
         unknown = np.isnan(shares).any(axis=0)
@@ -191,7 +191,7 @@ class Trial:
         """The boxes without a common zero."""
         return self.values > 0
 
-    def __getitem__(self, boxes: Flags) -> Trial:
+    def __getitem__(self, boxes: Places) -> Trial:
         return Trial(self.values[boxes], self.shares[:, boxes])
 
 
@@ -223,47 +223,41 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
 
     They minimise the sum of the absolute values of the other coefficients and the rests, nearly.
     """
-    scales = [1 / function.size for function in functions]
-    values = [function.terms[0] * scale for function, scale in zip(functions, scales, strict=True)]
-    others = [function.terms[1:] * scale for function, scale in zip(functions, scales, strict=True)]
-    rests = [function.rest * scale for function, scale in zip(functions, scales, strict=True)]
+    scales = np.array([1 / function.size for function in functions])
+    values = np.array([function.terms[0] for function in functions]) * scales
+    others = np.array([function.terms[1:] for function in functions]) * scales[:, None]
+    rests = np.array([function.rest for function in functions]) * scales
     best = np.full(values[0].shape, np.inf)
     chosen = np.full((len(functions), best.size), np.nan)
-    weights, own = np.ones_like(others[0]), [np.ones_like(best)] * len(functions)
+    weights, own = np.ones_like(others[0]), np.ones_like(rests)
     for _ in range(_ROUNDS):
-        factors = np.array(_least_squares(values, others, rests, weights, own))
+        factors = np.array(_solved(_squares(others, rests, weights, own), values))
         factors /= (factors * values).sum(axis=0)
-        terms = abs(sum(factor * other for factor, other in zip(factors, others, strict=True)))
+        terms = abs((factors[:, None] * others).sum(axis=0))
         parts = abs(factors) * rests
         total = terms.sum(axis=0) + parts.sum(axis=0)
         better = total < best
         best[better], chosen[:, better] = total[better], factors[:, better]
         small = _SMALL * total
-        weights, own = 1 / (terms + small), list(1 / (parts + small))
-    return chosen * scales
+        weights, own = 1 / (terms + small), 1 / (parts + small)
+    unscaled: Doubles = chosen * scales
+    return unscaled
 
 
-def _least_squares(
-    values: Sequence[Doubles],
-    others: Sequence[Doubles],
-    rests: Sequence[Doubles],
-    weights: Doubles,
-    own: Sequence[Doubles],
-) -> list[Doubles]:
-    """The multipliers that minimise the weighted squares, up to a common factor.
+def _squares(others: Doubles, rests: Doubles, weights: Doubles, own: Doubles) -> list[list[Doubles]]:
+    """The lower triangle of the matrix of weighted least squares.
 
     Args:
-        values: of the functions.
-        others: their other terms.
+        others: the functions' terms beside their values.
         rests: what these leave out.
         weights: of the other terms.
         own: of the rests.
     """
-    weighted = [weights * x for x in others]
-    matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
-    for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
-        matrix[k][k] = matrix[k][k] + weight * rest**2
-    return _solved(matrix, values)
+    weighted = weights * others
+    matrix = [list((x * others[: k + 1]).sum(axis=1)) for k, x in enumerate(weighted)]
+    for k, square in enumerate(own * rests**2):
+        matrix[k][k] = matrix[k][k] + square
+    return matrix
 
 
 def _solved(matrix: Sequence[Sequence[Doubles]], values: Sequence[Doubles]) -> list[Doubles]:

@@ -8,6 +8,7 @@ Many boxes are done at once: arrays have a row for each coefficient and a column
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import nan
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     Flags = NDArray[np.bool_]
     Places = NDArray[np.int64]
 
+ANGLES = 2
+"""The first variables."""
+BY_ANGLES, BY_OTHERS = 1, 2
+"""Flags of what a function depends on: on the angles, on the other variables and the symbols."""
 UNIT = 2.0**-53
 UP = 1 + 2.0**-30
 """Bounds the roundings within a sum of nonnegative numbers, with a wide margin."""
@@ -73,12 +78,29 @@ class Layout:
         """The number of coefficients."""
         return int(self.bends.start + len(self.pairs[0]))
 
+    @cached_property
+    def _places(self) -> Places:
+        """The place of each tⱼ tₖ among them: a symmetric table."""
+        table = np.empty((self.variables, self.variables), dtype=np.int64)
+        j, k = self.pairs
+        table[j, k] = table[k, j] = np.arange(len(j))
+        return table
+
+    @cached_property
+    def _partners(self) -> Places:
+        """The places of the tⱼ tₖ with each k, tₖ² twice."""
+        return np.array([np.insert(row, k, row[k]) for k, row in enumerate(self._places)])
+
+    @cached_property
+    def others(self) -> tuple[Places, Places]:
+        """The places of the tⱼ tₖ with each k and j ≠ k, and these j."""
+        count = np.arange(self.variables)
+        others = np.array([np.delete(count, k) for k in count])
+        return np.take_along_axis(self._places, others, 1), others
+
     def per_variable(self, bends: Doubles) -> Doubles:
         """For each k the sum of numbers for tⱼ tₖ, those of tₖ² twice."""
-        sums = np.zeros((self.variables, *bends.shape[1:]))
-        for row, (j, k) in zip(bends, zip(*self.pairs, strict=True), strict=True):
-            sums[j] += row
-            sums[k] += row
+        sums: Doubles = np.add.reduce(bends.take(self._partners, 0), axis=1)
         return sums
 
 
@@ -92,29 +114,50 @@ class Expansion:
         terms: the coefficients.
         rest: bounds of the difference between the function and its expansion, all roundings included.
         layout: where the coefficients are.
+        depends: flags of what the function may depend on; other coefficients are 0.
     """
 
-    __slots__ = ("_bound", "_parts", "layout", "rest", "terms")
+    __slots__ = ("_bound", "_changes", "_parts", "_size", "depends", "layout", "rest", "terms")
 
-    def __init__(self, terms: Doubles, rest: Doubles, layout: Layout, bound: Doubles | None = None) -> None:
-        self.terms, self.rest, self.layout = terms, rest, layout
-        self._parts: tuple[Doubles, ...] | None = None
+    def __init__(
+        self,
+        terms: Doubles,
+        rest: Doubles,
+        layout: Layout,
+        bound: Doubles | None = None,
+        depends: int = BY_ANGLES | BY_OTHERS,
+    ) -> None:
+        self.terms, self.rest, self.layout, self.depends = terms, rest, layout, depends
+        self._parts: Doubles | None = None
         self._bound = bound
+        self._size: Doubles | None = None
+        self._changes: tuple[Doubles, Doubles] | None = None
 
     @property
-    def parts(self) -> tuple[Doubles, ...]:
-        """Sums of the absolute values of the coefficients: of 1, of the t, of the η and of the products."""
+    def parts(self) -> Doubles:
+        """Sums of the absolute values of the coefficients of 1, the t, the η and the products; the rest."""
         if self._parts is None:
-            size, at = abs(self.terms), self.layout
-            self._parts = size[0], *(size[rows].sum(axis=0) for rows in (at.slopes, at.symbols, at.bends))
+            sizes, at = abs(self.terms), self.layout
+            self._parts = np.empty((5, self.rest.size))
+            self._parts[0], self._parts[4] = sizes[0], self.rest
+            for row, rows in enumerate((at.slopes, at.symbols, at.bends), 1):
+                np.add.reduce(sizes[rows], axis=0, out=self._parts[row])
         return self._parts
+
+    def _sums(self) -> tuple[Doubles, Doubles]:
+        """Of the parts of the t and the η, and of these and the products."""
+        if self._changes is None:
+            _, slopes, symbols, bends, _ = self.parts
+            first = slopes + symbols
+            self._changes = first, first + bends
+        return self._changes
 
     @property
     def size(self) -> Doubles:
         """Bounds of the absolute values of the function."""
-        value, slopes, symbols, bends = self.parts
-        size: Doubles = (value + slopes + symbols + bends + self.rest) * UP
-        return size
+        if self._size is None:
+            self._size = np.add.reduce(self.parts, axis=0) * UP
+        return self._size
 
     @property
     def bound(self) -> Doubles:
@@ -126,31 +169,60 @@ class Expansion:
     @property
     def change(self) -> Doubles:
         """Bounds of how far the values are from those of the expansions at the middles."""
-        _, slopes, symbols, bends = self.parts
-        change: Doubles = (slopes + symbols + bends + self.rest) * UP
+        change: Doubles = np.add.reduce(self.parts[1:], axis=0) * UP
         return change
 
     def of(self, boxes: Places) -> Expansion:
         """The function on some of the boxes."""
-        return Expansion(self.terms[:, boxes], self.rest[boxes], self.layout, self.bound[boxes])
+        return Expansion(
+            self.terms.take(boxes, 1), self.rest[boxes], self.layout, self.bound[boxes], self.depends
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Expansion]) -> Expansion:
+        """A function on the boxes of several."""
+        terms, rest = np.concatenate([x.terms for x in parts], 1), np.concatenate([x.rest for x in parts])
+        return cls(terms, rest, parts[0].layout)
 
     def __add__(self, other: Expansion) -> Expansion:
-        bound = (self.bound + other.bound) * UP
-        rest = (self.rest + other.rest + _ROUNDED * bound) * UP
-        return Expansion(self.terms + other.terms, rest, self.layout, bound)
+        return self._sum(other, self.terms + other.terms)
 
     def __sub__(self, other: Expansion) -> Expansion:
-        return self + -other
+        return self._sum(other, self.terms - other.terms)
+
+    def _sum(self, other: Expansion, terms: Doubles) -> Expansion:
+        bound = (self.bound + other.bound) * UP
+        rest = (self.rest + other.rest + _ROUNDED * bound) * UP
+        return Expansion(terms, rest, self.layout, bound, self.depends | other.depends)
 
     def __neg__(self) -> Expansion:
-        return Expansion(-self.terms, self.rest, self.layout, self.bound)
+        negative = Expansion(-self.terms, self.rest, self.layout, self._bound, self.depends)
+        negative._parts, negative._size = self._parts, self._size
+        return negative
 
     def __mul__(self, other: Expansion | int) -> Expansion:
         if isinstance(other, int):  # at most 3
             rest = (self.rest + _ROUNDED * self.bound) * other * UP
-            return self if other == 1 else Expansion(self.terms * other, rest, self.layout)
+            whole = self.terms * other
+            return self if other == 1 else Expansion(whole, rest, self.layout, depends=self.depends)
+        (_, a1, a_symbols, a2, _), (_, _, b_symbols, b2, _) = self.parts, other.parts
+        (a_first, _), (b_first, b_changes) = self._sums(), other._sums()
+        rest = a_symbols * b_first + a1 * b_symbols
+        rest += a_first * b2 + a2 * b_changes
+        bound = self.size * other.size * UP
+        rest += self.rest * other.size + other.rest * self.size + _ROUNDED * bound
+        terms, depends = self._product(other), self.depends | other.depends
+        return Expansion(terms, rest * UP + _UNDERFLOW, self.layout, bound, depends)
+
+    def _product(self, other: Expansion) -> Doubles:
+        """The coefficients of a product."""
         a, b, at = self.terms, other.terms, self.layout
-        terms = a[0] * b
+        if not self.depends or not other.depends:
+            scaled: Doubles = a[0] * b if other.depends else b[0] * a
+            return scaled
+        if not self.depends & other.depends:
+            return self._product_apart(other) if self.depends == BY_ANGLES else other._product_apart(self)
+        terms: Doubles = a[0] * b
         terms += b[0] * a
         terms[0] *= 0.5  # it holds the product twice
         x, y = a[at.slopes], b[at.slopes]
@@ -158,17 +230,25 @@ class Expansion:
         products, others = x.take(first, 0) * y.take(second, 0), y.take(first, 0) * x.take(second, 0)
         others[at.squares] = 0
         terms[at.bends] += products + others
-        (_, a1, a_symbols, a2), (_, b1, b_symbols, b2) = self.parts, other.parts
-        rest = a_symbols * (b1 + b_symbols) + a1 * b_symbols
-        rest += (a1 + a_symbols) * b2 + a2 * (b1 + b_symbols + b2)
-        sizes = self.size, other.size
-        bound = sizes[0] * sizes[1] * UP
-        rest += self.rest * sizes[1] + other.rest * sizes[0] + _ROUNDED * bound
-        return Expansion(terms, rest * UP + _UNDERFLOW, at, bound)
+        return terms
+
+    def _product_apart(self, other: Expansion) -> Doubles:
+        """As above, of a function of the angles and one of the other variables."""
+        a, b, at = self.terms, other.terms, self.layout
+        terms: Doubles = a[0] * b
+        angles, others = slice(1, 1 + ANGLES), slice(1 + ANGLES, 1 + at.variables)
+        terms[angles] = a[angles] * b[0]
+        bends, own = terms[at.bends], a[at.bends]
+        # α times each variable, then θ times each but α
+        theta, end = at.variables, 2 * at.variables - 1
+        for k in (0, 1, theta):
+            bends[k] = own[k] * b[0]
+        bends[ANGLES:theta], bends[theta + 1 : end] = a[1] * b[others], a[2] * b[others]
+        return terms
 
     def __truediv__(self, other: Expansion | int) -> Expansion:
         if isinstance(other, int):  # 2
-            return Expansion(self.terms / other, self.rest / other, self.layout)
+            return Expansion(self.terms / other, self.rest / other, self.layout, depends=self.depends)
         x, least = other._positive()
         left_out = other.change**3 / (least * x * x * x)
         return self * other._composed((1 / x, -1 / (x * x), 1 / (x * x * x)), left_out)
@@ -193,25 +273,26 @@ class Expansion:
         value, slope, bend = factors
         terms = self.terms.copy()
         terms[0] = 0
-        change = Expansion(terms, self.rest, self.layout)
+        change = Expansion(terms, self.rest, self.layout, depends=self.depends)
         square = change * change
         terms = slope * terms + bend * square.terms
         terms[0] = value
         rest = abs(slope) * self.rest + abs(bend) * square.rest + left_out
         rest += _ROUNDED * (abs(value) + abs(slope) * change.size + abs(bend) * square.size)
-        return Expansion(terms, rest * UP + _UNDERFLOW, self.layout)
+        return Expansion(terms, rest * UP + _UNDERFLOW, self.layout, depends=self.depends)
 
     def named(self, symbol: int) -> Expansion:
         """The same with a symbol for what the expansion leaves out."""
         terms = self.terms.copy()
         terms[self.layout.symbols.start + symbol] += self.rest * UP
-        return Expansion(terms, np.zeros_like(self.rest), self.layout)
+        return Expansion(terms, np.zeros_like(self.rest), self.layout, depends=self.depends | BY_OTHERS)
 
 
 def where(boxes: Flags, one: Expansion, other: Expansion) -> Expansion:
     """One function on the given boxes, another on the others."""
     rest, bound = (np.where(boxes, getattr(one, of), getattr(other, of)) for of in ("rest", "bound"))
-    return Expansion(np.where(boxes, one.terms, other.terms), rest, one.layout, bound)
+    depends = one.depends | other.depends
+    return Expansion(np.where(boxes, one.terms, other.terms), rest, one.layout, bound, depends)
 
 
 def combined(functions: list[Expansion], factors: Doubles) -> Expansion:
@@ -239,10 +320,9 @@ def lowest(function: Expansion) -> Doubles:
     mixed = j != k
     least: Doubles = terms[0] + (slopes * ends).sum(axis=0) + (bends * ends[j] * ends[k]).sum(axis=0)
     own = bends[~mixed]
-    left = slopes.copy()
-    for row, first, second in zip(bends[mixed], j[mixed], k[mixed], strict=True):
-        left[first] += row * ends[second]
-        left[second] += row * ends[first]
+    places, partners = at.others
+    moved = bends.take(places, 0) * ends.take(partners, 0)
+    left = np.add.reduce(np.concatenate([slopes[:, None], moved], axis=1), axis=1)
     left = np.where(is_monotonic, 0, abs(left))
     inside = (own > 0) & (left < 2 * own)
     own_least = np.where(inside, -left * left / (4 * np.where(inside, own, 1)), own - left)

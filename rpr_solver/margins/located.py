@@ -22,8 +22,8 @@ from rpr_solver.boxes.krawczyk import contracts
 from rpr_solver.boxes.sieve import Boxes
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.turns import TURN
-from rpr_solver.margins.expansions import UP, Expansion, combined, where
-from rpr_solver.margins.problems import ANGLES, BoxRing
+from rpr_solver.margins.expansions import ANGLES, UP, Expansion, combined, where
+from rpr_solver.margins.problems import BoxRing
 from rpr_solver.model.joint_points import PoseKind
 
 if TYPE_CHECKING:
@@ -233,7 +233,7 @@ def _by_length(systems: Systems, ring: BoxRing) -> Systems:
     """The same functions with their derivatives by the fixed leg's length, which is one of their scales."""
     zero, one = ring.constant(0.0), ring.constant(1.0)
     whole = systems.mapped(lambda x: Taylor(1, 1, [x, zero]), systems.order)
-    return replace(whole, scales=(Taylor(1, 1, [systems.scales[0], one]), 1))
+    return replace(whole, scales=(Taylor(1, 1, [systems.scales[0], one]), 1), known=None)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ the functions of systems.py on boxes of poses and geometries, by expansions.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -18,7 +19,8 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.numerals import double
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.turns import TURN, cos_sin
-from rpr_solver.margins.expansions import UNIT, UP, Expansion, layout_of
+from rpr_solver.legs import Waves
+from rpr_solver.margins.expansions import ANGLES, BY_ANGLES, BY_OTHERS, UNIT, UP, Expansion, layout_of
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of, third_corner
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
@@ -27,11 +29,11 @@ from rpr_solver.model.manipulator import Manipulator
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from rpr_solver.margins.expansions import Places
     from rpr_solver.margins.systems import Choice
 
     Integers = NDArray[np.int64]
 
-ANGLES = 2
 _BASE = 3
 """a2x, a3x and a3y come before the sides of the platform."""
 
@@ -125,16 +127,21 @@ class Problem:
 
     def systems(self, ring: BoxRing, order: int) -> Systems:
         """The functions in a ring, K with its derivatives up to an order."""
-        fixed, *lengths = (ring.number(place) for place in range(len(self.spans)))
-        for place, (length, rate) in enumerate(zip(lengths, self.drift, strict=True)):
+        fixed = ring.number(0)
+        for place, rate in enumerate(self.drift):
             if rate:
-                middle = ring.constant(self.lengths[place].middle)
-                fixed = fixed + (length - middle) * ring.constant(rate)
+                change = ring.number(1 + place) - ring.constant(self.lengths[place].middle)
+                fixed = fixed + change * ring.constant(rate)
+        alike, own = ring.geometries()
+        lengths = [alike.number(1 + place) for place in range(len(self.lengths))]
         # what the expansions of the third corner leave out is the same in all functions
         x, y = third_corner(lengths[_BASE:], self.orientation)
-        legs = moving_legs(lengths, (x.named(0), y.named(1)), self.fixed_leg)
+        legs = tuple(
+            Waves(*(PlaneNumber(z.real.of(own), z.imag.of(own)) for z in leg))
+            for leg in moving_legs(lengths, (x.named(0), y.named(1)), self.fixed_leg)
+        )
         scales = (1, fixed) if self.inverse else (fixed, 1)
-        return Systems(ring.turns(), scales, legs, order)
+        return Systems(ring.turns(), scales, legs, order, bool(self.limits))
 
     def tests(
         self, systems: Systems, leg: Choice, constant: Callable[[float], Expansion]
@@ -257,6 +264,7 @@ def _reach(coordinate: Fraction, weight: Fraction) -> Fraction | None:
 
 
 _TRIG_ERROR = 16 * UNIT
+_FACTORS = np.sin(np.arange(1.0, 2 * len(LENGTHS) + 1))
 
 
 class BoxRing:
@@ -273,12 +281,24 @@ class BoxRing:
         self.half[:ANGLES] *= 2 * np.pi / TURN
         self._layout = layout_of(problem.size)
 
+    def geometries(self) -> tuple[BoxRing, Places]:
+        """The ring on boxes with different lengths alone, and which of them each box has."""
+        rows = [row for place, row in self._problem.rows.items() if place]
+        sides = np.concatenate([self.middle[rows], self.half[rows]])
+        # boxes with the same sum are compared, so that any factors will do
+        _, first, own = np.unique(_FACTORS[: len(sides)] @ sides, return_index=True, return_inverse=True)
+        if not (sides[:, first[own]] == sides).all():
+            return self, np.arange(sides.shape[1])
+        alike = copy(self)
+        alike.middle, alike.half = self.middle[:, first], self.half[:, first]
+        return alike, own
+
     def number(self, place: int) -> Expansion:
         """One of the problem's spans as a function."""
         row = self._problem.rows.get(place)
         if row is None:
             return self.constant(self._problem.spans[place].low)
-        function = self._blank()
+        function = self._blank(BY_OTHERS)
         function.terms[0], function.terms[1 + row] = self.middle[row], self.half[row]
         return function
 
@@ -302,7 +322,7 @@ class BoxRing:
         whole = abs(a) + abs(b)
         functions = []
         for value, slope in ((cos, -sin), (sin, cos)):
-            function = self._blank()
+            function = self._blank(BY_ANGLES)
             terms, bends = function.terms, function.terms[self._layout.bends]
             terms[0], terms[1], terms[2] = value, slope * a, slope * b
             # the squares of α and θ are where their rows begin, and αθ is after the first
@@ -315,6 +335,7 @@ class BoxRing:
             functions.append(function)
         return functions[0], functions[1]
 
-    def _blank(self) -> Expansion:
+    def _blank(self, depends: int = 0) -> Expansion:
         boxes = self.middle.shape[1]
-        return Expansion(np.zeros((self._layout.rows, boxes)), np.zeros(boxes), self._layout)
+        terms = np.zeros((self._layout.rows, boxes))
+        return Expansion(terms, np.zeros(boxes), self._layout, depends=depends)

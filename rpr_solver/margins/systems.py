@@ -29,7 +29,7 @@ from rpr_solver.contract import LENGTHS
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.plane import PlaneNumber
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.legs import Derivatives, Sinusoids, Waves, cross, free_points
+from rpr_solver.legs import Derivatives, Sinusoids, Waves, free_points
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.joint_points import PoseKind
 from rpr_solver.model.manipulator import Manipulator
@@ -95,19 +95,27 @@ class Systems:
         scales: λ and μ; a 1 may be an integer.
         legs: the waves of the moving legs f and g at α = θ = 0.
         order: that of the derivatives of K that are wanted: 0 for K alone, 1 for E and ∇K too, 2 for S.
+        limited: whether squared lengths are wanted, too.
+        sinusoids: those of both legs, without λ and with μ; from the turns, unless given.
+        known: K to a lower order, if it is known.
     """
 
     turns: Sequence[PlaneNumber[Any]]
     scales: Pair
-    legs: tuple[Waves, Waves]
+    legs: tuple[Waves, ...]
     order: int = 2
+    limited: bool = True
+    sinusoids: tuple[Sinusoids, ...] = ()
+    known: Jet[Any] | None = None
 
     @cached_property
-    def _sinusoids(self) -> tuple[Sinusoids, Sinusoids]:
-        """Those of both legs, without λ and with μ."""
+    def _sinusoids(self) -> tuple[Sinusoids, ...]:
+        if self.sinusoids:
+            return self.sinusoids
         (alpha, theta, between), (_, mu) = self.turns, self.scales
-        f, g = (leg._replace(platform=leg.platform * mu).turned(between, theta, alpha) for leg in self.legs)
-        return f, g
+        return tuple(
+            leg._replace(platform=leg.platform * mu).turned(between, theta, alpha) for leg in self.legs
+        )
 
     @cached_property
     def _slopes(self) -> tuple[_Slopes, _Slopes]:
@@ -122,15 +130,21 @@ class Systems:
     def singularity(self) -> Jet[Any]:
         """K, zero at singular poses."""
         f, g = self._slopes
-        k: Jet[Any] = cross((f.alpha, f.phi), (g.alpha, g.phi))
-        return k
+
+        def entry(i: int, j: int) -> Any:
+            if self.known is not None and i + j <= self.known.order:
+                return self.known.table[i][j]
+            return f.alpha.of_product(g.phi, i, j) - f.phi.of_product(g.alpha, i, j)
+
+        return Jet.build(self.order, entry)
 
     def _chosen(self, leg: int | Choice) -> _Slopes:
+        """Those of one leg, as far as derivatives of K along it need them."""
         if isinstance(leg, int):
             return self._slopes[leg]
 
-        f, g = self._slopes
-        return _Slopes(f.alpha.joined(g.alpha, leg), f.phi.joined(g.phi, leg))
+        f, g = ([x.up_to(max(self.order - 1, 0)) for x in (own.alpha, own.phi)] for own in self._slopes)
+        return _Slopes(*(x.joined(y, leg) for x, y in zip(f, g, strict=True)))
 
     def along(self, leg: int | Choice, function: Jet[Any]) -> Jet[Any]:
         """v·∇function for leg f (0) or g (1), or for the one that is chosen."""
@@ -167,8 +181,10 @@ class Systems:
             return PlaneNumber(function(of.real), function(of.imag))
 
         lam, mu = (scale if isinstance(scale, int) else function(scale) for scale in self.scales)
-        f, g = (Waves(*map(number, leg)) for leg in self.legs)
-        return Systems([number(x) for x in self.turns], (lam, mu), (f, g), order)
+        legs = tuple(Waves(*map(number, leg)) for leg in self.legs) if self.limited else ()
+        sinusoids = tuple(Sinusoids(*map(function, leg)) for leg in self._sinusoids)
+        known = self.singularity.mapped(function)
+        return Systems((), (lam, mu), legs, order, self.limited, sinusoids, known)
 
     def excess(self, leg: int, square: Any) -> Any:
         """The squared length of leg f (0) or g (1), less ``square``; for μ = 1 alone."""

@@ -25,8 +25,9 @@ from rpr_solver.margins.bands import (
     zones_of,
 )
 from rpr_solver.margins.exclusion import exclude
+from rpr_solver.margins.expansions import ANGLES
 from rpr_solver.margins.options import TOO_WIDE, SearchOptions, changes, check_margins, degenerate_throughout
-from rpr_solver.margins.problems import ANGLES, GeometryBox, Problem, validity
+from rpr_solver.margins.problems import GeometryBox, Problem, validity
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted

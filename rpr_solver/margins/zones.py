@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rpr_solver.exact.turns import TURN
-from rpr_solver.margins.problems import ANGLES
+from rpr_solver.margins.expansions import ANGLES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -77,18 +77,27 @@ class Jet(Generic[R]):
         order = min(self.order, other.order)
         return Jet.build(order, lambda i, j: join(self.table[i][j], other.table[i][j]))
 
-    def __mul__(self, other: Jet[R]) -> Jet[R]:
-        def entry(i: int, j: int) -> R:
-            total: Any = None
-            for k in range(i + 1):
-                for m in range(j + 1):
-                    term = self.table[k][m] * other.table[i - k][j - m]
-                    weight = comb(i, k) * comb(j, m)
-                    term = term * weight if weight != 1 else term
-                    total = term if total is None else total + term
-            return total  # type: ignore[no-any-return]
+    def mapped(self, function: Callable[[R], S]) -> Jet[S]:
+        """The image of the jet in another ring."""
+        return Jet(tuple(tuple(map(function, row)) for row in self.table))
 
-        return Jet.build(min(self.order, other.order), entry)
+    def up_to(self, order: int) -> Jet[R]:
+        """The derivatives up to a lower order."""
+        return Jet.build(order, lambda i, j: self.table[i][j])
+
+    def of_product(self, other: Jet[R], i: int, j: int) -> R:
+        """∂α^i ∂θ^j of the product with another function."""
+        total: Any = None
+        for k in range(i + 1):
+            for m in range(j + 1):
+                term = self.table[k][m] * other.table[i - k][j - m]
+                weight = comb(i, k) * comb(j, m)
+                term = term * weight if weight != 1 else term
+                total = term if total is None else total + term
+        return total  # type: ignore[no-any-return]
+
+    def __mul__(self, other: Jet[R]) -> Jet[R]:
+        return Jet.build(min(self.order, other.order), partial(self.of_product, other))
 
     def __sub__(self, other: Jet[R]) -> Jet[R]:
         return self.joined(other, sub)
@@ -208,6 +217,17 @@ def pose_of(alpha: HalfTangent, theta: HalfTangent, length: arb, omega: arb) -> 
     """The pose with these angles of a slice (scaled units)."""
     (cos_a, sin_a), (cos_t, sin_t) = alpha.cos_sin(), theta.cos_sin()
     return Pose(cos_a, sin_a, cos_t, sin_t, length, omega)
+
+
+def singular_length(
+    slice_map: SliceMap, alpha: tuple[arb, arb], direction: tuple[arb, arb], omega: arb
+) -> arb:
+    """L = −J0/J1, at which the pose with these cosines and sines is singular: J is L (J0 + L J1)."""
+    at = turns(acb(*alpha), acb(*direction))
+    f, g = (leg.waves(omega).turned(*at) for leg in (slice_map.f, slice_map.g))
+    phi, other = f.q + f.d, g.q + g.d
+    length: arb = (f.w * other - phi * g.w) / (f.q * other - phi * g.q)
+    return length
 
 
 def common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:

@@ -230,7 +230,7 @@ class SliceMap:
 
         Args:
             manipulator: the geometry.
-            fixed_leg: the leg that is held.
+            fixed_leg: the leg whose length is fixed.
             with_shared: whether legs may share joints, so that a, m or a − b or m − n of both free legs may
                 be 0.
 

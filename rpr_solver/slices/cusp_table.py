@@ -187,7 +187,7 @@ def table_document(
     Args:
         manipulator: the geometry.
         lengths: one length of the fixed leg or several, exact, in the user's unit.
-        fixed_leg: the leg that is held, 1, 2 or 3.
+        fixed_leg: the leg whose length is fixed, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         progress: callback ``progress(done, total)``.
 
@@ -280,7 +280,7 @@ def slice_error_json(length: Exact, fixed_leg: int, kind: str, detail: str) -> d
 
     Args:
         length: of the fixed leg, exact, in the user's unit.
-        fixed_leg: the leg that is held, 1, 2 or 3.
+        fixed_leg: the leg whose length is fixed, 1, 2 or 3.
         kind: the type of error, such as ``"solver-error"``.
         detail: the error message.
 
@@ -301,7 +301,7 @@ def table_json(
 
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg that is held, 1, 2 or 3.
+        fixed_leg: the leg whose length is fixed, 1, 2 or 3.
         digits: the significant digits of every printed number.
         slices: slice objects: :meth:`SliceTable.to_json`, :func:`slice_json` or :func:`slice_error_json`.
 

@@ -87,7 +87,7 @@ class SliceTable:
     ``singular_curves(manipulator, length).figure()``.
 
     Attributes:
-        fixed_leg: the leg that is held, 1, 2 or 3.
+        fixed_leg: the leg whose length is fixed, 1, 2 or 3.
         length: its length, exact, in the user's unit.
         digits: the significant digits of every printed number.
         cusps: the cusps, sorted by the fixed leg's angle, then by α.

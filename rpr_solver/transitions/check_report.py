@@ -225,8 +225,8 @@ def check_counts(
     cuts = [length_text(slice_map, group, digits) for group in result.groups]
     texts = [exact_str(low), *cuts, exact_or_none(high)]
     intervals = []
-    for start, stop, part in zip(texts, texts[1:], result.slices, strict=False):
-        cusps = _within(result.eliminant, part.table, requirement)
+    for start, stop, part in zip(texts, texts[1:], result.tables, strict=False):
+        cusps = _within(result.eliminant, part, requirement)
         intervals.append(CheckedInterval(str(start), stop, len(cusps), part.length, cusps))
     degenerate = degeneracies(result, requirement.range, digits)
     return _report(manipulator, requirement, digits, slice_map, result.groups, intervals, degenerate)

@@ -15,9 +15,10 @@ from fractions import Fraction
 from itertools import groupby
 from typing import Any
 
-from flint import nmod_poly
+from flint import nmod_mat, nmod_poly
 
 from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import (
     Algebraic,
     Polynomial,
@@ -37,6 +38,12 @@ from rpr_solver.slices.eliminant import DEGREE_L
 from rpr_solver.slices.reference import divided, formal_resultant
 from rpr_solver.transitions.event_systems import Landmark, length_text
 from rpr_solver.transitions.survey import Survey
+
+_PLACES = 2, 3
+_FORMAL_DEGREE = 14
+"""Of Res_t(J/L, E) in L."""
+_DEGREE = DEGREE_L + 2
+"""Its degree: that of the eliminant and that of leg f's closing."""
 
 
 @dataclass(frozen=True)
@@ -128,9 +135,9 @@ def _poses(result: Survey, ends: Sequence[Callable[[], str | None]]) -> Iterator
 
 def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[Degeneracy]:
     """The curves that J and E share in every slice, and those in the slices of single lengths."""
-    if _has_no_curves(eliminant):
-        return
     slice_map = eliminant.slice_map
+    if _has_no_curves(slice_map):
+        return
     leg, ends = slice_map.fixed_leg, (exact_str(span.start), exact_or_none(span.stop))
     omega = exact_omega(slice_map.radicand)
     rows = eliminant.rows(omega)
@@ -148,19 +155,27 @@ def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[De
                 yield Degeneracy(leg, PoseKind.CURVE, text, text, equation=known)
 
 
-def _has_no_curves(eliminant: Eliminant) -> bool:
+def _has_no_curves(slice_map: SliceMap) -> bool:
     """Proof modulo a prime that the eliminant in u is 0 for no L; False if there is none.
 
-    A common factor of coefficients, polynomials in L, keeps its degree where one of them does.
+    Res_t(J, E) is a multiple of it. If two values of u give polynomials in L without a common root modulo the
+    prime, one of which keeps its degree, they have none.
     """
-    p, _, residues = eliminant.residues
-    common, is_full = nmod_poly([], p), False
-    for coefficients in residues.tolist():
-        row = nmod_poly(coefficients, p)
-        common, is_full = common.gcd(row), is_full or row.degree() == DEGREE_L
-        if is_full and common.degree() == 0:
-            return True
-    return False
+    p, omega = next(primes(slice_map.radicand))
+    lengths, values = range(1, _FORMAL_DEGREE + 2), []
+    for u in _PLACES:
+        forms = [[[q.residue(p, omega)(u) for q in row] for row in table] for table in slice_map.tables]
+        for length in lengths:
+            j, e = (nmod_poly([nmod_poly(row, p)(length) for row in form], p) for form in forms)
+            if (j.degree() + 1, e.degree() + 1) != (len(forms[0]), len(forms[1])):
+                return False
+            values.append(int(j.resultant(e)))
+    size = len(lengths)
+    powers = nmod_mat(size, size, [length**k for length in lengths for k in range(size)], p)
+    columns = powers.solve(nmod_mat(len(_PLACES), size, values, p).transpose()).transpose()
+    first, second = (nmod_poly(list(map(int, row)), p) for row in columns.tolist())
+    degree = max(first.degree(), second.degree())
+    return bool(degree == _DEGREE and first.gcd(second).degree() == 0)
 
 
 def _rows(form: BiForm, omega: Algebraic) -> list[list[Algebraic]]:

@@ -95,6 +95,13 @@ class Event(Protocol):
     def lasting(self) -> bool:
         """Whether neighbouring slices have a degenerate pose of the same kind beside this one."""
 
+    @property
+    def change(self) -> int | None:
+        """By how much the number of cusps changes here as L grows; None if that is not proved.
+
+        If 0, no pose is degenerate.
+        """
+
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
 
@@ -106,6 +113,7 @@ class Landmark:
     exact_length: Algebraic
     pose: ExactPose | None = None
     lasting: bool = False
+    change: int | None = None
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""

@@ -159,6 +159,7 @@ class DirectedEvent:
     kind: PoseKind
     local: LocalMap[Algebraic]
     lasting: Literal[False] = False
+    change: None = None
 
     @property
     def pose(self) -> BallPose:

@@ -17,10 +17,11 @@ an angle, L is constant along it. Both kinds of length are events without a pose
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property
+from itertools import pairwise
 from math import lcm
 from typing import Literal
 
@@ -35,7 +36,7 @@ from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.bridge import Bridge
-from rpr_solver.model.jets import HalfTangent, LocalMap, Pose, common_root, pose_of
+from rpr_solver.model.jets import HalfTangent, LocalMap, common_root, pose_of, singular_length
 from rpr_solver.model.joint_points import ExactPose, PoseKind
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import (
@@ -59,13 +60,17 @@ from rpr_solver.transitions.vanishing import level, vanishes
 _START_BITS = 256
 _LOST_BITS = 32
 """What an event may lack of the bits that are asked for."""
-Namer = Callable[[LocalMap[arb]], PoseKind | None]
-"""The kind of an event from the jets at its pose; None if the balls do not prove it."""
+_SPARE_BITS = 64
+"""With which a pose is computed beyond those that are asked for."""
+Signs = tuple[PoseKind, arb]
+"""The kind of an event, and a number whose sign is that of the change of the number of cusps."""
+Namer = Callable[[LocalMap[arb], LocalMap[arb]], Signs | None]
+"""The kind of an event from the jets at its pose, and at that of length −L; None if balls do not prove it."""
 
 
 @dataclass(frozen=True)
 class Located:
-    """A pose in balls that were computed with ``bits`` bits, with L > 0 (scaled)."""
+    """A pose in balls of about ``bits`` bits, with L > 0 (scaled)."""
 
     alpha: HalfTangent
     theta: HalfTangent
@@ -80,6 +85,7 @@ class BallEvent:
     system: System
     root: RealRoot
     kind: PoseKind | None
+    change: int | None = None
     exact_length: None = None
     lasting: Literal[False] = False
     _known: list[Located] = field(default_factory=list, init=False, repr=False, compare=False)
@@ -145,8 +151,8 @@ class BallEvent:
         """The pose with L to ``bits`` bits or nearly so; the best one is kept."""
         if not self._known or self._known[0].bits < bits:
 
-            def accurate(work: int) -> Located | None:
-                located = _located(self.system, self.root, work)
+            def accurate(more: int) -> Located | None:
+                located = _located(self.system, self.root, more)
                 if located is None or located.length.rel_accuracy_bits() < bits - _LOST_BITS:
                     return None
                 return located
@@ -163,13 +169,14 @@ def events(systems: EventSystems) -> Iterator[Event]:
     Raises:
         NotGeneric: the events are not isolated.
     """
-    closing = systems.permanent
-    yield from _system_events(systems.swallowtails, _swallowtail, closing)
-    yield from _system_events(systems.critical, _critical, closing)
+    permanent = systems.permanent
+    yield from _system_events(systems.swallowtails, _swallowtail, permanent)
+    yield from _system_events(systems.critical, _critical, permanent)
     for system in systems.near_shared_angles:
-        yield from _system_events(system, None, closing)
+        yield from _system_events(system, None, permanent)
     yield from permanent_events(systems.permanent)
-    yield from stretched_closings(systems.slice_map.f)
+    for closing in stretched_closings(systems.slice_map.f):
+        yield replace(closing, change=0)
 
 
 def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[Event]:
@@ -205,7 +212,7 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(system: System, name: Namer | None, closing: System) -> list[Event]:
+def _system_events(system: System, name: Namer | None, closing: System) -> Sequence[Event]:
     """The events of one system, with their kinds if ``name`` gives them, else their lengths alone.
 
     Where J0 or J1, the forms of ``closing``, is 0, L is 0 or infinite.
@@ -216,7 +223,7 @@ def _system_events(system: System, name: Namer | None, closing: System) -> list[
     if simple_and_finite(eliminant, system.eliminant.degree):
         proved = [_prove(system, root, name) for root in real_roots(eliminant)]
         if None not in proved:
-            return sorted(filter(None, proved), key=_direction)
+            return _ordered(filter(None, proved))
     simple, others = simple_and_other_roots(eliminant)
     by_balls, undecided = [], []
     for root in simple:
@@ -230,7 +237,16 @@ def _system_events(system: System, name: Namer | None, closing: System) -> list[
     if system.eliminant.zeros_at_infinity:
         places.append(None)
     exact = [event for place in places for event in _exact_events(system, place, named=name is not None)]
-    return [*sorted(by_balls, key=_direction), *sorted(exact, key=_direction)]
+    return [*_ordered(by_balls), *sorted(exact, key=_direction)]
+
+
+def _ordered(found: Iterable[BallEvent]) -> list[BallEvent]:
+    """The events in the order in which those of equal L are listed."""
+    by_length = sorted(found, key=lambda event: event.scaled_length(_START_BITS).mid())
+    balls = [event.scaled_length(_START_BITS) for event in by_length]
+    if not any(low.overlaps(high) for low, high in pairwise(balls)):
+        return by_length
+    return sorted(by_length, key=_direction)
 
 
 def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Event]:
@@ -258,46 +274,46 @@ def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | No
         place = _located(system, root, bits)
         if place is None:
             return None
-        kind = None
+        kind = change = None
         if name is not None:
             with ctx.workprec(bits):
-                kind = name(_local(system, place, 4))
-            if kind is None:
+                order, other = _ORDERS[name]
+                mirrored = _local(system, replace(place, length=-place.length), other)
+                signs = name(_local(system, place, order), mirrored)
+            if signs is None:
                 return None
-        found = BallEvent(system, root, kind)
-        if bits == _START_BITS and place.length.rel_accuracy_bits() >= bits - _LOST_BITS:
+            kind, sign = signs
+            change = None if sign.contains(0) else 2 if sign > 0 else -2
+        found = BallEvent(system, root, kind, change)
+        if place.length.rel_accuracy_bits() >= bits - _LOST_BITS:
             found._known.append(place)
         return found
 
     return decided_or_none(event, _START_BITS, EVENT_BITS)
 
 
-def _located(system: System, root: RealRoot, work: int) -> Located | None:
+def _located(system: System, root: RealRoot, bits: int) -> Located | None:
     """The pose above a root v = tan θ/√ρ; None if the precision is insufficient.
 
     At one of the directions θ and θ + π it has L > 0, unless L = 0, which no precision decides.
     """
-    v = root.refined(work - 64)
+    v, work = root.refined(bits), bits + _SPARE_BITS
     with ctx.workprec(work):
         first, second = ([row.ball(work)(v) for row in form.rows] for form in (system.first, system.second))
         t = common_root(first, second)
         if t is None:
             return None
-        slice_map, omega, one = system.slice_map, omega_ball(system.slice_map.radicand, work), arb(1)
+        slice_map, omega = system.slice_map, omega_ball(system.slice_map.radicand, work)
         bridge = Bridge.of(slice_map)
-        alpha, tip = bridge.alpha(t), bridge.vector(one, v)
-        # J is L (J0 + L J1); with the direction (1, v), which is longer than 1, L is as much shorter
-        plus, minus = (
-            LocalMap.at(slice_map, Pose(*alpha.cos_sin(), *tip, sign, omega), 1).singularity().value
-            for sign in (one, -one)
-        )
-        length = (minus - plus) / (plus + minus)
+        alpha, tip = bridge.alpha(t), bridge.vector(arb(1), v)
+        # with the direction (1, v), which is longer than 1, L is as much shorter
+        length = singular_length(slice_map, alpha.cos_sin(), tip, omega)
         if not length.is_finite() or length.contains(0):
             return None
         rho = slice_map.rho
         norm = (1 + rho * v * v).sqrt()
         theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -rho * v)
-        return Located(alpha, bridge.theta(theta), abs(length) * norm, work)
+        return Located(alpha, bridge.theta(theta), abs(length) * norm, bits)
 
 
 def _local(system: System, place: Located, order: int) -> LocalMap[arb]:
@@ -305,18 +321,33 @@ def _local(system: System, place: Located, order: int) -> LocalMap[arb]:
     return LocalMap.at(system.slice_map, pose_of(place.alpha, place.theta, place.length, omega), order)
 
 
-def _swallowtail(local: LocalMap[arb]) -> PoseKind | None:
+def _swallowtail(local: LocalMap[arb], mirrored: LocalMap[arb]) -> Signs | None:
     j = local.singularity()
-    fourth = local.along(local.f, local.along(local.f, local.along(local.f, j)))
+    e = local.along(local.f, j)
+    fourth = local.along(local.f, local.along(local.f, e)).value
     rank = not all(x.value.contains(0) for x in (local.f.alpha, local.f.theta))
     smooth = not all(x.value.contains(0) for x in (j.alpha, j.theta))
-    return PoseKind.SWALLOWTAIL if rank and smooth and not fourth.value.contains(0) else None
+    if not rank or not smooth or fourth.contains(0):
+        return None
+    # 2L ∂J/∂L and 2L ∂v/∂L, as J/L and v are linear in L
+    growth = j.joined(mirrored.singularity(), lambda x, y: 3 * x + y)
+    swing = local.f - mirrored.f
+    moved = local.along(local.f, growth).value + local.along(swing, j).value
+    slopes = [(a.value, b.value) for a, b in zip(j.gradient, e.gradient, strict=True)]
+    # 2L dE/dL on J = 0, times |∇J|²
+    passed = moved * sum(a * a for a, _ in slopes) - growth.value * sum(a * b for a, b in slopes)
+    return PoseKind.SWALLOWTAIL, -fourth * passed
 
 
-def _critical(local: LocalMap[arb]) -> PoseKind | None:
+def _critical(local: LocalMap[arb], mirrored: LocalMap[arb]) -> Signs | None:
     j = local.singularity()
     hessian = j.alpha.alpha.value * j.theta.theta.value - j.alpha.theta.value * j.alpha.theta.value
     third = local.along(local.f, local.along(local.f, j)).value
     if hessian.contains(0) or third.contains(0):
         return None
-    return PoseKind.LIPS if hessian > 0 else PoseKind.BEAK_TO_BEAK
+    growth = 3 * j.value + mirrored.singularity().value  # 2L ∂J/∂L
+    return PoseKind.LIPS if hessian > 0 else PoseKind.BEAK_TO_BEAK, -hessian * third * growth
+
+
+_ORDERS: Mapping[Namer, tuple[int, int]] = {_swallowtail: (4, 2), _critical: (3, 1)}
+"""Of the jets that are wanted."""

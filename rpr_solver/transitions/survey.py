@@ -1,8 +1,9 @@
 """Intervals of L with a constant number of cusps: the events in order, and a slice in each interval.
 
 Between two neighbouring events no pose of a slice is degenerate, so the number of cusps of one exact slice is
-that of the whole interval (mathematics.md#completeness-of-the-events). If events are not isolated, as for
-similar or congruent triangles, they are those of the curves on which all cusps lie (components.py).
+that of the whole interval (mathematics.md#completeness-of-the-events); the next follows where it is proved
+what events change (mathematics.md#what-changes-at-an-event). If events are not isolated, as for similar or
+congruent triangles, they are those of the curves on which all cusps lie (components.py).
 
 Events of a symmetric manipulator come in pairs of equal L. No precision shows that two numbers are equal:
 equality is proved by minimal polynomials, or by a symmetry of the manipulator (mathematics.md#equal-lengths).
@@ -189,16 +190,20 @@ class CountedSlice:
         eliminant: of the manipulator and its fixed leg.
         length: of the fixed leg, in the user's unit, > 0.
         digits: significant digits of every printed number.
+        count: of its cusps, if it is known; then no other pose is degenerate.
 
     Raises:
         SolverError: the slice could not be decided.
     """
 
-    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
+    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int, count: int | None = None) -> None:
         self.length, self.digits = length, digits
         self._reference = ReferenceSlice(eliminant, length, digits)
-        q = eliminant.at(self._reference.scaled)
-        self.count = number_of_real_roots(q) if self._reference.is_generic else self.table.count
+        self._has_cusps_alone = count is not None or self._reference.is_generic
+        self.count = self._counted() if count is None else count
+
+    def _counted(self) -> int:
+        return number_of_real_roots(self._reference.q) if self._has_cusps_alone else self.table.count
 
     @cached_property
     def table(self) -> SliceTable:
@@ -208,7 +213,7 @@ class CountedSlice:
     @property
     def degenerate_points(self) -> Sequence[Mapping[str, str]]:
         """As in the table."""
-        return () if self._reference.is_generic else self.table.degenerate_points
+        return () if self._has_cusps_alone else self.table.degenerate_points
 
 
 @dataclass(frozen=True)
@@ -226,6 +231,7 @@ class Survey:
     @property
     def tables(self) -> list[SliceTable]:
         """The slices with their cusps."""
+        self.eliminant.expect(len(self.slices))
         return [part.table for part in self.slices]
 
 
@@ -267,12 +273,21 @@ def survey(
     first = 0 if low is None else _position(groups, low) + 1
     last = len(groups) if high is None else _position(groups, high)
     inside = tuple(tuple(known.distinct(group)) for group in groups[first:last])
-    eliminant.expect(len(inside) + 1)
-    slices = []
-    for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
-        slices.append(CountedSlice(eliminant, length, digits))
+    changes = [None, *(_change(group) if known.is_generic else None for group in inside)]
+    eliminant.expect(changes.count(None))
+    slices: list[CountedSlice] = []
+    lengths = _sample_lengths(slice_map, low, [group[0] for group in inside], high)
+    for length, change in zip(lengths, changes, strict=True):
+        count = None if change is None else slices[-1].count + change
+        slices.append(CountedSlice(eliminant, length, digits, count))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
     return Survey(eliminant, inside, tuple(slices), known.method)
+
+
+def _change(group: Sequence[Event]) -> int | None:
+    """By how much the number of cusps changes at events of one L; None if that is not proved."""
+    changes = [event.change for event in group]
+    return None if None in changes else sum(filter(None, changes))
 
 
 def _check_spread(manipulator: Manipulator) -> None:
@@ -288,12 +303,16 @@ def _check_spread(manipulator: Manipulator) -> None:
 
 @dataclass(frozen=True)
 class _Found:
-    """All events of a manipulator, and how they were found."""
+    """All events of a manipulator, and how they were found.
+
+    ``is_generic`` tells that between the events cusps are the only degenerate poses.
+    """
 
     method: str
     events: tuple[Event, ...]
     limit_events: LimitEvents
     distinct: Callable[[Sequence[Event]], Sequence[Event]]
+    is_generic: bool = False
 
 
 def _events(eliminant: Eliminant, progress: Progress) -> _Found:
@@ -303,7 +322,7 @@ def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
         limits = partial(limit_events, systems)
-        return _Found("events", tuple(events(systems)), limits, once)
+        return _Found("events", tuple(events(systems)), limits, once, not systems.near_shared_angles)
     except NotGeneric:
         components = Components.of(eliminant.slice_map)
         return _Found("components", tuple(components.events()), components.limit_events, distinct)
@@ -376,7 +395,7 @@ def numbers_of_aspects(result: Survey, transitions: Sequence[int]) -> tuple[int 
 
 
 def _keeps_the_curve(event: Event) -> bool:
-    return event.pose is not None and event.pose.kind is PoseKind.SWALLOWTAIL
+    return event.change == 0 or (event.pose is not None and event.pose.kind is PoseKind.SWALLOWTAIL)
 
 
 def _number(slice_map: SliceMap, length: Fraction) -> int | None:

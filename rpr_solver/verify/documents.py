@@ -100,7 +100,7 @@ def read_document(value: Mapping[str, Any]) -> Document:
 def verify_document(
     document: Mapping[str, Any] | str | bytes, *, progress: Progress = silent
 ) -> Verification:
-    """Verifies a document of any solver by independent means: all that it lists is found anew.
+    """Verifies a document of any solver by independent means: everything in it is computed again.
 
     Args:
         document: a cusp table, a table of poses, a census, cusp curves, a report of a check, a margin,

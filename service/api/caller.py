@@ -131,7 +131,7 @@ def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:
 CHALLENGE = 'Bearer realm="rpr-cusps"'
 
 _CALLS: tuple[tuple[KeyScope | None, Iterable[str]], ...] = (
-    (None, ("GET /", "GET /docs", "GET /openapi.json", "GET /openapi.yaml")),
+    (None, ("GET /", "GET /docs", "GET /embed", "GET /openapi.json", "GET /openapi.yaml")),
     (None, ("GET /schemas/geometry.json", "GET /static/{path}")),
     (None, ("GET /problems", "GET /problems/{slug}", "GET /healthz", "GET /readyz")),
     ("read", ("GET /v1/version", "GET /v1/limits")),

@@ -115,6 +115,8 @@ class Settings(EnvironmentSettings):
             localhost; `*.example.com` for those below a name, `*` for all
         cors_origins: origins of web pages that may call the service, comma-separated, such as
             `https://tools.example.com`; `*` for all; none if empty
+        embed_origins: origins of web pages that may frame `/embed`, comma-separated; `*` for all; none if
+            empty
         root_path: path under which a reverse proxy shows the service, such as `/cusps`; links begin so
         redis_timeout_seconds: time to wait for an answer of Redis, in seconds: it answers in milliseconds,
             and clients wait meanwhile
@@ -139,6 +141,7 @@ class Settings(EnvironmentSettings):
     require_keys: KeysPolicy = "auto"
     allowed_hosts: Annotated[tuple[str, ...], NoDecode, each(str)] = ()
     cors_origins: Annotated[tuple[str, ...], NoDecode, each(_origin, f"is no origin; {_SUCH_AS}")] = ()
+    embed_origins: Annotated[tuple[str, ...], NoDecode, each(_origin, f"is no origin; {_SUCH_AS}")] = ("*",)
     root_path: Annotated[str, AfterValidator(read_prefix)] = ""
     limits: Constant[Limits] = Field(default_factory=Limits.of_environment)
     webhooks: Constant[WebhookSettings] = Field(default_factory=WebhookSettings)

@@ -61,8 +61,8 @@ def _solve(question: type[CuspTableRequest]) -> Command:
       rpr-cusps solve innocenti --l1 14.98 --format latex --digits 8 > table.tex
       rpr-cusps solve - --l2 17 < robot.json                      leg 2 fixed
 
-    JSON, CSV and NDJSON have all digits that are computed. CSV and NDJSON are printed slice by slice, and
-    Ctrl-C keeps what is done.
+    JSON, CSV and NDJSON have all computed digits. CSV and NDJSON are printed slice by slice, so Ctrl-C loses
+    nothing that is done.
     """
     options = asking.Options(question, parsers.said_of(_solve), dict.fromkeys((*LEGS, "fixed_leg"), ""))
 
@@ -172,15 +172,16 @@ def report(table: dict[str, Any]) -> int:
 
 def _census(document: Mapping[str, Any]) -> Page:
     """Find every length at which the number of cusps changes, with its kind and poses, and the number of
-    cusps in between. The list is proved complete. With --tolerance it holds for every manipulator whose
-    lengths differ from the given ones by at most the tolerance: each transition has bounds of its length.
+    cusps in between. The list is proved complete. With --tolerance the census is valid for every manipulator
+    whose lengths differ from the given ones by at most the tolerance, and each transition has bounds for its
+    length.
 
     Options:
         range: the range of lengths; either end may be omitted (default: all)
-        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact
-            then. The census must hold for every manipulator within it
-        ignore_windows: a width: windows that are narrower are marked, and do not count in the first line
-        sensitivities: say how fast the transition of each event moves when the lengths of the geometry change
+        tolerance: how far all lengths may be off, or single ones, as d1=0.01,a3x=0.002; the others are exact
+            then. The census is then valid for every manipulator within the tolerance
+        ignore_windows: mark windows narrower than this width, and do not count them in the first line
+        sensitivities: give the derivatives of each transition by the lengths of the geometry
 
     examples:
       rpr-cusps census innocenti --digits 20
@@ -328,21 +329,23 @@ _IN_GIVEN_FRAME = ("x", "y", "phi_deg")
 
 def _poses(table: Mapping[str, Any]) -> Page:
     """Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The
-    list is proved complete. With a range for one leg: at which of its lengths poses merge, and how many poses
-    there are between. With angles of legs, in place of lengths or beside them: the poses with all these data.
+    list is proved complete. With a range for one leg: the lengths at which poses merge, and the number of
+    poses in between. With angles of legs, instead of lengths or as well: the poses that agree with all of
+    them.
 
     Options:
-        l1: the length of leg 1, or its range, such as 0:12, if it is the one that moves
-        l2: that of leg 2
-        l3: that of leg 3
-        angle1: the angle of leg 1 from A1 to B1, in degrees, in the frame of the base's points, or of the
-            article
-        angle2: that of leg 2
-        angle3: that of leg 3
-        angle_tolerance_deg: how far angles beyond three data may be off, in degrees
+        l1: the length of leg 1 or, if this leg moves, its range, such as 0:12
+        l2: the same for leg 2
+        l3: the same for leg 3
+        angle1: the angle of leg 1 from A1 to B1, in degrees, in the frame of the base's points, or else of
+            the article
+        angle2: the same for leg 2
+        angle3: the same for leg 3
+        angle_tolerance_deg: by how many degrees angles may be off that are given in addition to three lengths
+            or angles
         condition: give the condition number of each pose, and its distance from singular poses
-        length_scale: the length by which condition numbers measure rotations (default: the root of the mean
-            squared distance of the platform's joints from their centroid)
+        length_scale: the length that converts rotations to lengths for condition numbers (default: the root
+            of the mean squared distance of the platform's joints from their centroid)
 
     examples:
       rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
@@ -503,9 +506,9 @@ def _aspects(document: Mapping[str, Any]) -> Page:
 
 
 def _workspace(document: Mapping[str, Any]) -> Page:
-    """Find the places that the limits of the legs allow at one orientation: regions with J > 0 and J < 0,
-    between them the singular conic. With a range of orientations: areas and numbers of regions at each.
-    Vertices, regions and areas are exact.
+    """Find the positions that the limits of the legs allow at one orientation: the regions
+    where J is positive or negative, and the singular conic between them. With a range of orientations: areas
+    and numbers of regions at each. Vertices, regions and areas are exact.
 
     Options:
         phi: the orientation in degrees, or FROM:TO:STEP: the angle of the platform's frame in that of the

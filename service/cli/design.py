@@ -40,17 +40,18 @@ def _margin(document: Mapping[str, Any]) -> Page:
     before a requirement is violated, or before a window with a number of cusps vanishes. With --tolerance,
     decide whether a tolerance is small enough.
 
-    What is proved holds for every geometry within the radius; a counter-example is exact, and can be checked
-    again. The first-order radius is an estimate, no bound.
+    The proof covers every geometry within the radius; a counter-example is an exact geometry that you can
+    check. The first-order radius is an estimate, not a bound.
 
     Exit status: 0 proved (without a tolerance: a radius > 0), 1 refuted or open, 2 bad input.
 
     Options:
-        l1: the slice whose number of cusps must stay
+        l1: the slice whose number of cusps must not change
         requirement: or the range of a requirement; either end may be omitted
-        window: or a length between two transitions: slices with the number of cusps there must exist
-        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact then
-        weights: how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)
+        window: or a length between two transitions: some slices must keep the number of cusps found there
+        tolerance: how far all lengths may be off, or single ones, as d1=0.01,a3x=0.002; the others are exact
+            then
+        weights: how much each length may change relative to the others, as d1=2,a2x=0 (default: 1; 0: exact)
 
     examples:
       rpr-cusps margin innocenti --l1 28.1
@@ -130,11 +131,11 @@ def _design_page(document: Mapping[str, Any]) -> Page:
     """Search for a geometry whose cusps meet a goal: the longest range of lengths in which a
     requirement holds, the least change that meets it, the largest margin, or the most cusps.
 
-    Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that
-    there is no better one. The search needs the extra design; in a copy of the repository:
-    pip install -c constraints.txt '.[design]'.
+    Every candidate is examined by an exact census, and the best one found is proved again, independently. A
+    better one may exist. The search needs the extra design; in a copy of the repository: pip install -c
+    constraints.txt '.[design]'.
 
-    Ctrl-C, or --deadline, ends the search with the proof of the best found so far.
+    Ctrl-C, or --deadline, ends the search with the best geometry found so far, proved.
 
     Exit status: 0 the best geometry meets the goal, 1 it does not, 2 bad input.
 
@@ -143,7 +144,8 @@ def _design_page(document: Mapping[str, Any]) -> Page:
         requirement: the range of lengths; either end may be omitted
         vary: how far lengths may change: 15% of each, or d1=16:18,a2x=15:17 alone (default: 10%)
         fixed: lengths that keep their values, as a2x,d1
-        family: tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror
+        family: search symmetric geometries only: isosceles-1, isosceles-2, isosceles-3, similar, congruent or
+            mirror
         seed: the seed of the random numbers (default: 1)
 
     examples:
@@ -210,9 +212,9 @@ def _configure_atlas(parser: argparse.ArgumentParser) -> None:
 def _run_atlas(args: argparse.Namespace) -> int:
     """Make an atlas: the censuses of many random manipulators as one row each, NDJSON or Parquet.
 
-    Which manipulator a row has depends on the seed and its number alone, so that an atlas can be made again,
-    or longer. A command that was interrupted continues where it stopped: no row is lost or doubled. Parquet
-    needs the extra atlas; in a copy of the repository: pip install -c constraints.txt '.[atlas]'.
+    The manipulator of a row depends only on the seed and the number of the row, so an atlas can be reproduced
+    or extended. An interrupted command continues where it stopped when it is run again. Parquet needs the
+    extra atlas; in a copy of the repository: pip install -c constraints.txt '.[atlas]'.
 
     examples:
       rpr-cusps atlas --count 2000 --seed 1 -o atlas.ndjson

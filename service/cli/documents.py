@@ -64,8 +64,8 @@ def _configure_verify(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_verify(args: argparse.Namespace) -> int:
-    """Verify a document of rpr-cusps by independent means: all that it lists is found anew, from the geometry
-    alone, with equations that SymPy derives from the legs. Nothing of the solver is used.
+    """Verify a document of rpr-cusps by independent means: everything in it is computed again from the
+    geometry alone, with equations that SymPy derives from the legs, without the solver.
 
     Exit status: 0 every claim is proved, 1 a claim is refused, 2 bad input, 3 nothing is refused, but the
     claims named in the first line are open.
@@ -154,7 +154,7 @@ def _configure_cite(parser: argparse.ArgumentParser) -> None:
 
 def _run_cite(args: argparse.Namespace) -> int:
     """Print a reference to a document, in BibTeX: what was asked of which geometry, and which software
-    answered, so that a number in a paper can be asked again.
+    answered, so that readers can reproduce a number in a paper.
 
     examples:
       rpr-cusps solve innocenti --l1 14.98 --format json | rpr-cusps cite - >> references.bib
@@ -195,9 +195,9 @@ def _configure_plot(parser: argparse.ArgumentParser) -> None:
 
 def _run_plot(args: argparse.Namespace) -> int:
     """Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, the
-    mechanism, the workspace at an orientation; or a design, connections of poses or poses along a leg, of
-    which the JSON document is given in place of the geometry. The suffix of the file selects SVG, PNG or PDF;
-    without a file, SVG is printed. It needs matplotlib, of the extra `plot`.
+    mechanism, or the workspace at an orientation. To draw a design, connections of poses or poses along a
+    leg, give the JSON document instead of the geometry. The suffix of the file selects SVG, PNG or PDF;
+    without a file, SVG is printed. Drawing needs the extra `plot` (matplotlib).
 
     Options:
         l1: the length of a leg
@@ -206,7 +206,7 @@ def _run_plot(args: argparse.Namespace) -> int:
         pose: the number of the pose with these three lengths (default: 1)
         phi: the orientation of a workspace, in degrees
         limits: a leg, of a workspace
-        width_mm: for print: 86mm, 8.6cm, 3.4in or 245pt; the letters have 8 to 12 points
+        width_mm: for print: 86mm, 8.6cm, 3.4in or 245pt; the type has 8 to 12 points
 
     examples:
       rpr-cusps plot innocenti --l1 27 -o slice.svg

@@ -254,9 +254,9 @@ def about_geometry() -> str:
     return (
         "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
         f'{", ".join(first)} or {last}. Numbers are exact: 17.04, "17.04", "426/25", "5*sqrt(3)/2". A file '
-        "may have a name and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used. Or it is "
-        "a text: base=points 0,0 10,0 5,8; platform=sides 3 4 5 (or equilateral 10, circumradius sqrt(3)), "
-        "perhaps with orientation=cw; or a2x=15.91; a3x=0; … for six numbers."
+        "may have a name and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used. Or give "
+        "the machine itself: base=points 0,0 10,0 5,8; platform=sides 3 4 5 (or equilateral 10, circumradius "
+        "sqrt(3)), optionally with orientation=cw; or six numbers: a2x=15.91; a3x=0; …"
     )
 
 
@@ -321,7 +321,7 @@ def add_fixed_leg(parser: argparse.ArgumentParser, of: str) -> None:
 
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     """Add `--digits`."""
-    of_tables = f", of which tables show {PRINTED}" if default > PRINTED else ""
+    of_tables = f"; tables show {PRINTED}" if default > PRINTED else ""
     shown = f"significant digits, at most 1000 (default: {default}{of_tables})"
     parser.add_argument("--digits", metavar="N", help=shown)
 
@@ -347,7 +347,7 @@ def add_limits(parser: argparse.ArgumentParser, of: str = "another leg") -> None
 
 def add_between(parser: argparse.ArgumentParser, ends: str) -> None:
     """Add the lengths between which the fixed leg may vary on the way between two ends."""
-    text = f"it is held, or varies between its lengths at both {ends}"
+    text = f"it stays fixed, or varies between its lengths at both {ends}"
     parser.add_argument(
         "--between", metavar="FROM:TO", help=f"lengths between which the fixed leg may vary (default: {text})"
     )
@@ -364,7 +364,7 @@ def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
 
 def add_ignored(parser: argparse.ArgumentParser) -> None:
     """Add `--ignore-windows`."""
-    text = "a width: windows of other numbers of cusps that are narrower are ignored, and listed"
+    text = "ignore (but list) windows with other numbers of cusps that are narrower than this"
     parser.add_argument("--ignore-windows", metavar="X", help=text)
 
 

@@ -28,8 +28,8 @@ _SHOWN_ROWS = 25
 
 def _paths(document: Mapping[str, Any]) -> Page:
     """Find a path without a singularity: a loop round a cusp to another pose of the same leg lengths, or a
-    path between any two poses, or the reason why there is none. It is proved along the whole path, not only
-    at the samples.
+    path between any two poses, or the reason why there is none. The proof covers the whole path, not only the
+    samples.
 
     Options:
         l1: the length of the fixed leg, or all three
@@ -39,18 +39,19 @@ def _paths(document: Mapping[str, Any]) -> Page:
         between: poses
         limits: a leg, along the whole path
         clearance: how far to keep from singular poses, or best for as far as possible
-        condition: give the condition number of each sample, and bounds of it along the path
-        length_scale: the length by which condition numbers measure rotations (default: the root of the mean
-            squared distance of the platform's joints from their centroid)
+        condition: give the condition number of each sample, and its bounds along the path
+        length_scale: the length that converts rotations to lengths for condition numbers (default: the root
+            of the mean squared distance of the platform's joints from their centroid)
         max_condition: the greatest condition number that a pose of the path may have
         cusp: the number or letter of the cusp in the table of the slice (default: A)
-        motion.speed: the greatest speed of all legs or of each; times follow from the limits: 10, or
-            l2=10,l3=5
+        motion.speed: the greatest speed, for all legs or for each (10, or l2=10,l3=5); the times follow from
+            the limits
         motion.acceleration: the greatest acceleration, likewise: 10, or l2=10,l3=5
         motion.jerk: the greatest jerk, likewise (default: any): 10, or l2=10,l3=5
         others: follow the other poses of the joint vector, too, until the fold at which they vanish
         sampling.step: the time between samples, instead of their number
-        sampling.chord: as many samples as are needed for legs that move linearly between to deviate less
+        sampling.chord: as many samples as are needed for legs that move linearly between them to deviate by
+            less than X
 
     examples:
       rpr-cusps path innocenti --l1 27 --cusp B
@@ -184,11 +185,11 @@ DECIDED, UNDECIDED = 0, 1
 
 def _modes(document: Mapping[str, Any]) -> Page:
     """Decide whether the assembly mode can change without a singularity: whether some joint vector of a
-    slice, or of a range of the fixed leg, has two poses that a path joins, within joint limits.
+    slice, or of a range of the fixed leg, has two poses that a path within joint limits joins.
 
-    That it can is shown by such a path, whose clearance from singular poses is told. That it cannot is
-    proved for all joint vectors. With --clearance and --tolerance the answer is about changes that keep so
-    far from singular poses, with parts so exact.
+    If it can, the answer has such a path and its clearance from singular poses. If it cannot, this is proved
+    for all joint vectors. With --clearance and --tolerance, only changes count that keep this far from
+    singular poses, for all parts within the tolerance.
 
     Exit status: 0 possible or impossible, 1 undecided, 2 bad input.
 
@@ -197,8 +198,8 @@ def _modes(document: Mapping[str, Any]) -> Page:
         range: or the lengths between which it may vary; 45: has no upper end
         limits: another leg
         clearance: how far a change must keep from singular poses, in degrees
-        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
-            then): the answer must hold within it
+        tolerance: how far all lengths may be off, or single ones, as d1=0.01,a3x=0.002 (the others are exact
+            then); the answer is valid within this tolerance
 
     examples:
       rpr-cusps assembly-modes innocenti --l1 27
@@ -267,10 +268,10 @@ def _connections(document: Mapping[str, Any]) -> Page:
         to: a second joint vector, whose poses are included: l1=30,l2=21,l3=19
         between: joint vectors
         limits: a leg, along the whole paths
-        parts: count the parts of the allowed region, too, with the poses in each: of all poses that are not
-            singular, in the slice or in the range, and keep the limits
+        parts: also count the parts of the allowed region (all poses in the slice or range that are not
+            singular and keep the limits), with the poses in each
         clearance: how far the paths must keep from singular poses, in degrees
-        tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
+        tolerance: how far all lengths may be off, or single ones, as d1=0.01,a3x=0.002 (the others are exact
             then), for which the paths must exist
 
     examples:

@@ -274,7 +274,7 @@ class PoseConnections(DocumentHead):
         l1: Length of leg 1, exact; missing if there are two joint vectors.
         l2: Length of leg 2.
         l3: Length of leg 3.
-        between: The lengths between which the fixed leg was free; null if it was held.
+        between: The lengths between which the fixed leg was free; null if it stayed fixed.
         limits: The joint limits that the paths keep; null if none.
         poses: All poses of the joint vector in the order of /v1/poses, then those of `to`.
         groups: The places in `poses`, from 1, of poses that are joined with each other, proved. Poses of
@@ -326,11 +326,11 @@ class PoseConnectionsRequest(Question):
     """A manipulator, one joint vector or two, and what paths between their poses must keep.
 
     All pairs of poses at once: for each, whether a path without a singularity joins them, or the proved
-    reason why none does, as `/v1/paths` gives it for one pair. The fixed leg is held, or may vary within
+    reason why none does, as `/v1/paths` gives it for one pair. The fixed leg keeps its length, or may vary in
     `between`; with two joint vectors it may vary between its lengths at both. With `limits` the paths keep
     joint limits. `groups` has the poses that are joined with each other. With `Accept: image/svg+xml` the
-    matrix is drawn. With `clearance` poses are joined by paths that keep that far from singular poses, and
-    with `tolerance` by paths of every geometry within it.
+    matrix is drawn. With `clearance` poses are joined only by paths that keep this far from singular poses,
+    and with `tolerance` only if this is so for every geometry within it.
 
     A worker takes a fraction of a second without limits, and some seconds with limits in a range.
 
@@ -339,8 +339,8 @@ class PoseConnectionsRequest(Question):
         l2: Length of leg 2; > 0.
         l3: Length of leg 3; > 0.
         to: A second joint vector, whose poses are included.
-        between: Lengths between which the fixed leg may vary; without them it is held, or varies between its
-            lengths at both joint vectors.
+        between: Lengths between which the fixed leg may vary; without them it stays fixed, or varies
+            between its lengths at both joint vectors.
         limits: Joint limits that the paths keep, of any legs: `min` and `max`, either of which may be
             missing.
         parts: Whether the parts of the allowed region are counted, too, with the poses in each: of all poses

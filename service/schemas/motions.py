@@ -274,7 +274,7 @@ class PathResolution(Detail):
     """The size of a box of poses, exact."""
 
     angle_deg: str = Field(description="Its width in α and in the fixed leg's angle.")
-    length: str | None = Field(description="Its width in the fixed leg's length; null if that is held.")
+    length: str | None = Field(description="Its width in the fixed leg's length; null if that leg is fixed.")
 
 
 class PathClearance(Detail):

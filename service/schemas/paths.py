@@ -196,7 +196,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     mode, not the only one.
 
     From pose to pose, the answer is a path in the slice or, with `between`, a path on which the fixed leg may
-    vary; without it the fixed leg is held, or varies between its lengths at both poses. Or the answer is the
+    vary; without it this leg stays fixed, or varies between its lengths at both poses. Or the answer is the
     reason why there is none: J has different signs at the two poses, or they belong to different aspects of
     the slice or of the range. In the latter case the answer has a range of the fixed leg within which they
     are joined.
@@ -204,15 +204,15 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     With `clearance`, the path is as far from singular poses as possible, or at least as far as requested, and
     this is proved.
 
-    With `condition`, samples have the condition number of the Jacobian, and the answer bounds of it along the
-    path, proved; with `max_condition` it is proved to be nowhere greater.
+    With `condition`, samples have the condition number of the Jacobian, and the answer bounds it, with proof,
+    along the path; with `max_condition` it is proved to be nowhere greater.
 
     With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
     proved by subdivision, or undecided at the reported `resolution`.
 
     Samples are points of the path at equal intervals of time, or in chords of a bounded deviation
     (`sampling`), with the legs, the pose, the determinant and the clearance. With `motion` the times keep
-    limits of the speed, acceleration and jerk of each leg, which is proved for all of the way.
+    limits of the speed, acceleration and jerk of each leg, which is proved for the whole path.
 
     A worker finds a path in a fraction of a second.
 
@@ -223,7 +223,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
         start: The pose at the start: its number, from 1, in the answer of /v1/poses for `l1`, `l2` and `l3`;
             or a pose of other leg lengths; or its angles and the length of the fixed leg.
         stop: The pose at the end, likewise.
-        between: Lengths between which the fixed leg may vary; without them it is held.
+        between: Lengths between which the fixed leg may vary; without them it stays fixed.
         limits: Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be
             missing.
         clearance: How far the path must keep from singular poses, in degrees of α and the fixed leg's angle;

@@ -134,9 +134,9 @@ class Setting(Document):
     """How a picture is set.
 
     Attributes:
-        width_mm: For print: the width in millimetres, 80 to 400. Letters have 8 to 12 points then.
-        style: `paper` sets quantities as symbols, in italics with subscripts, and has a serif font.
-        unit: The unit of lengths, for the titles of axes.
+        width_mm: For print: the width in millimetres, 80 to 400. Type then has 8 to 12 points.
+        style: `paper` has symbols in italics with subscripts, and a serif font.
+        unit: The unit of lengths, for the labels of axes.
         labels: Whether the title stands above the picture, the geometry below it, both, or neither.
     """
 
@@ -394,8 +394,8 @@ class Verification(Model):
 class VerificationRequest(Question):
     """A document to verify, as produced by this service or the command line.
 
-    Everything that the document lists is found anew from its geometry alone, with equations that are derived
-    from the legs by SymPy; nothing of the solver is used.
+    Everything in the document is computed again from its geometry alone, with equations that SymPy derives
+    from the legs, without the solver.
 
     Every claim of the document is listed with its place and its status: `proved`, `open` or `refused`. For a
     refused document the response is 200 with `verdict` `refused`.

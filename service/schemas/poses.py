@@ -160,8 +160,8 @@ class LegPose(_PlatformPose):
     Attributes:
         sign: The sign of J throughout the interval; null if it could not be decided.
         aspect: The aspect in which the pose stays throughout the interval, by its number in this document: in
-            the slice of the first held leg, a path without a singularity joins two poses exactly if their
-            numbers are equal. Null if it could not be decided.
+            the slice of the first fixed leg, a path without a singularity joins two poses if and only if
+            their numbers are equal. Null if it could not be decided.
     """
 
     sign: int | None

@@ -180,7 +180,7 @@ def photograph() -> Callable[[Any, str], None]:
     return lambda page, name: page.screenshot(path=folder / f"{name}.png", full_page=True)
 
 
-EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "merging", "phone", "refuted", "space"}
+EACH_TIME = {"api-dark", "bad-input", "first-visit", "loop", "merging", "path", "phone", "refuted", "space"}
 """The states of the page that axe inspects each time; all others with `--long`."""
 
 

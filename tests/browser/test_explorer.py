@@ -201,6 +201,7 @@ def test_cusps_that_lie_together_have_one_name_and_part_under_the_glass(
 ) -> None:
     page = open_page(f"{base_url}/#g=10,16.73912,7.39002,23.66811,24.59925,5.45049,ccw&l1=14.46845")
     count_is(page, "L1 = 14.46845: 16 cusps")
+    expect(page.locator("#play")).to_be_enabled()  # names are written anew with the loop
     names = page.locator("#slice-board .name").evaluate_all(NAMES)
     board = page.locator("#slice-board").bounding_box()
     assert apart(names)
@@ -294,6 +295,162 @@ def test_joint_limits_are_drawn_in_the_picture(base_url: str, open_page: Open) -
     expect(page.locator("#l2-min")).to_have_value("")
 
 
+PLAYED = """() => {
+    const line = document.querySelector("#slice-board path.loop").getBoundingClientRect();
+    const limits = document.querySelector("#slice-board path.limits").getBoundingClientRect();
+    const low = ["left", "top"].map(side => line[side] - limits[side]);
+    return [...low, ...["right", "bottom"].map(side => limits[side] - line[side])];
+}"""
+"""How far the path that is drawn keeps from the sides of the rectangle of joint limits, in pixels."""
+
+
+@pytest.mark.parametrize("ends", [None, long(("26.9", "27.1"))], ids=["slice", "range"])
+def test_the_path_that_proves_a_verdict_is_drawn_and_played(
+    base_url: str, open_page: Open, photograph: Inspect, ends: tuple[str, str] | None
+) -> None:
+    """Within the limits, as each loop is."""
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&c=B&b=12,13.5,15,17")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    assert min(page.evaluate(PLAYED)) > -3, "the loop keeps them"
+    page.get_by_role("option", name=re.compile("^Cusp D")).click()
+    open_tab(page, "Loop")
+    expect(page.locator("#loop-text")).to_contain_text("Cusp D is outside the joint limits")
+    expect(page.locator("#play")).to_be_disabled()
+    open_tab(page, "Limits")
+    if ends:
+        for end, text in zip(("min", "max"), ends, strict=True):
+            page.locator(f"#l1-{end}").fill(text)
+        page.locator("#modes-clearance").fill("0.1")
+    expect(page).to_have_url(re.compile(re.escape(f"&b={','.join(('12,13.5,15,17', *(ends or ())))}")))
+    page.get_by_role("button", name="Can the assembly mode change here?").click()
+    expect(page.locator("#modes-verdict")).to_have_text(
+        re.compile(
+            f"^Yes: from pose . to pose . of L1 = 2[67].*{'at least 0.1°.*' if ends else ''}Play shows"
+        )
+    )
+    expect(page.locator("#play")).to_be_enabled()
+    assert min(page.evaluate(PLAYED)) > -3
+    open_tab(page, "Loop")
+    expect(page.locator("#loop-text")).to_contain_text("within the joint limits")
+    photograph(page, "witness")
+    page.get_by_role("option", name=re.compile("^Cusp B")).click()
+    expect(page.locator("#loop-text")).to_contain_text("Round cusp B")
+
+
+def test_a_path_between_poses_is_taken_along(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&p=15.5,16.9,2&h=27,13,16.9,1", expected="422")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    open_tab(page, "Path")
+    expect(page.locator("#path-from")).to_have_text("From pose 2 of L1 = 27, L2 = 15.5, L3 = 16.9.")
+    verdict, compute = page.locator("#path-verdict"), page.get_by_role("button", name="Compute")
+    compute.click()
+    expect(verdict).to_contain_text("No path: J has different signs at the two poses")
+    expect(page.get_by_role("button", name="JSON")).to_be_disabled()
+    page.locator("#path-to").select_option("pose 3 of the same lengths")
+    page.get_by_label("Speed").fill("10")
+    compute.click()
+    expect(verdict).to_contain_text("acceleration: is missing")
+    page.get_by_label("Acceleration").fill("20")
+    page.get_by_label("Samples by").select_option("chords within")
+    page.get_by_label("Acceleration").press("Enter")
+    expect(verdict).to_contain_text("From pose 2 to pose 3 of L1 = 27, L2 = 15.5, L3 = 16.9 without a sing")
+    expect(page.locator("#marks")).to_contain_text("path without a singularity")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="CSV of the samples").click()
+    head, *rows = (line.split(",") for line in download.value.path().read_text().splitlines())
+    assert head[:4] == ["time", "l1", "l2", "l3"]
+    assert head[-1] == "mean_speed_l3"
+    assert all(abs(float(row[-1])) <= 10 for row in rows[:-1])
+    inspect(page, "path")
+    page.get_by_label("Place on the loop").press("End")
+    expect(page.locator("#path-from")).to_contain_text("pose 2")  # it is kept
+    page.locator("#path-to").select_option("home")
+    open_tab(page, "Poses")
+    page.get_by_role("button", name="Home", exact=True).click()
+    expect(page).to_have_url(re.compile("&p=13,16.9,1&h=27,13,16.9,1"))
+    page.locator("#slice-board text.modes", has_text="4").first.click()
+    expect(page.locator("#pose-count")).to_have_text(re.compile("4 poses$"))
+    page.get_by_role("button", name="Make this pose home").click()
+    expect(page).not_to_have_url(re.compile("h=27,13,"))
+
+
+ON_CIRCLES = """async () => {
+    const {arcOf} = await import("/static/tabs/arcs.js");
+    const ellipse = {kind: "ellipse", coefficients: [1, 0, 4, 0, 0, -4]};
+    const vertices = [[2, 0], [-2, 0]];
+    const arc = {from: 1, to: 2, through: {x: "0", y: "1"}};
+    const branch = {kind: "hyperbola", coefficients: [0, 1, 0, 0, 0, -1]};
+    const lines = [
+        [ellipse, arcOf(arc, vertices, null, ellipse)],
+        [ellipse, arcOf({from: null, to: null}, [], null, ellipse)],
+        [branch, arcOf({from: 1, to: 2, through: {x: "1", y: "1"}}, [[0.1, 10], [10, 0.1]], null, branch)],
+    ];
+    return lines.flatMap(([{coefficients: [a, b, c, d, e, f]}, points]) => points.map(([x, y]) =>
+        Math.abs(a * x * x + b * x * y + c * y * y + d * x + e * y + f)));
+}"""
+
+
+def test_the_workspace_at_an_orientation(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    open_tab(page, "Workspace")
+    verdict, place = page.locator("#workspace-verdict"), page.locator("#workspace-place")
+    expect(verdict).to_contain_text("No leg has a greatest length")
+    page.get_by_role("button", name="Limits within 40 %").click()
+    expect(verdict).to_contain_text("Proved.")
+    page.get_by_label("φ [°]").fill("30")
+    expect(page.locator("#workspace-legend")).to_contain_text("J = 0: hyperbola")
+    areas = page.locator("#workspace-picture .area")
+    expect(areas).not_to_have_count(0)
+    expect(place).not_to_contain_text("outside")
+    page.locator("#workspace-picture [tabindex]").focus()
+    before = place.inner_text()
+    page.keyboard.press("ArrowUp")
+    assert place.inner_text() != before
+    page.keyboard.press("ArrowDown")
+    inspect(page, "workspace")
+    length = re.search(r"L1 = ([\d.]+)", place.inner_text())
+    page.get_by_role("button", name="Show this pose").click()
+    assert length
+    expect(page.locator("#l1")).to_have_value(re.compile(f"^{re.escape(length[1][:4])}"))
+    open_tab(page, "Poses")
+    expect(page.get_by_role("radio", name=re.compile(r"α = (30|29\.99|30\.0)")).first).to_be_checked()
+    found = page.evaluate(ON_CIRCLES)
+    assert len(found) > 150
+    assert max(found) < 1e-9
+    page.goto("about:blank")
+
+
+def test_one_board_in_the_frame_of_another_page(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    """It asks for its curves only, and the wheel scrolls the page round it."""
+    page = open_page(f"{base_url}/embed#{INNOCENTI}&l1=27&c=B&v=joint&r=26,28")
+    asked: list[str] = []
+    page.on("request", lambda request: request.method == "POST" and asked.append(request.url))
+    expect(page.locator("#count")).to_have_text("L1 = 27: 8 cusps")
+    slider = page.get_by_label("Length L1 of the fixed leg")
+    for _ in range(2):
+        slider.press("PageUp")
+    expect(page.locator("#count")).to_have_text(re.compile("^L1 = 27.4"))
+    cusp = page.get_by_role("option", name=re.compile("^Cusp B"))
+    place = middle(cusp)
+    page.mouse.move(*place)
+    page.mouse.wheel(0, -240)
+    inspect(page, "embed")
+    assert dist(middle(cusp), place) < 1
+    assert {url.removeprefix(base_url) for url in asked} == {"/v1/singular-curves"}
+    page.goto("about:blank")
+    page.goto(f"{base_url}/embed#{INNOCENTI}&l1=27&c=B&v=mechanism")
+    expect(page.get_by_role("heading")).to_have_text("L1 = 27: loop round cusp B")
+    page.get_by_label("Place on the loop").press("End")
+    assert page.locator("#mechanism-board .platform").get_attribute("d")
+    page.goto("about:blank")
+    page.goto(f"{base_url}/embed#l1=27")
+    expect(page.locator("#why-text")).to_contain_text("This address has no manipulator")
+
+
 def test_what_is_degenerate_throughout_is_said(base_url: str, open_page: Open, photograph: Inspect) -> None:
     """Nor does it spoil the pictures: its curves have points at 180 degrees, and no cusp decides the view."""
     page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
@@ -325,7 +482,7 @@ def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
     slider, verdict = page.locator("#tolerance-slider"), page.locator("#verdict")
     expect(slider).to_have_attribute("aria-valuetext", "plus or minus 0.001")
-    open_tab(page, "How exactly?")
+    open_tab(page, "Tolerance")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(verdict).to_have_text("Refuted: not 10 cusps at L1 = 28.1 for every geometry within ± 0.001.")
     expect(page.locator("#first-order")).to_contain_text("an estimate: ± 0.0006")
@@ -367,7 +524,7 @@ def test_a_verdict_about_a_rounded_special_machine_says_what_holds_for_the_exact
 def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
     expect(page.locator("#census-degenerate li")).to_have_count(2)
-    open_tab(page, "How exactly?")
+    open_tab(page, "Tolerance")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
 
@@ -380,10 +537,10 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
     open_tab(page, "curl")
     page.get_by_label("What to call").select_option("design")
     expect(page.locator("#code")).to_contain_text('"objective": "longest-range"')
-    open_tab(page, "Improve")
-    page.get_by_label("Sought").select_option("more cusps")
+    open_tab(page, "Design")
+    page.get_by_label("Goal").select_option("more cusps")
     for name, text in {"L1 from": "2", "to": "4", "Censuses": "2"}.items():
-        page.get_by_role("tabpanel", name="Improve").get_by_label(name, exact=True).fill(text)
+        page.get_by_role("tabpanel", name="Design").get_by_label(name, exact=True).fill(text)
     page.get_by_label("Censuses").press("Enter")
     expect(page.locator("#improve-start")).to_be_disabled()
     expect(page.locator("#improve-now")).to_contain_text("Best found of 2 (budget), proved: 8, wish met;")
@@ -391,7 +548,7 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
     expect(page.locator("#improvements li")).to_have_count(2)
     assert page.locator("#mechanism-board .candidate").get_attribute("d"), "it is drawn"
     inspect(page, "improved")
-    page.get_by_role("button", name="Open the best found").press("Enter")
+    page.get_by_role("button", name="Open the best one found").press("Enter")
     expect(page).not_to_have_url(re.compile(SMALL))
     expect(page.locator("#open-best")).to_be_hidden()
     page.keyboard.press("Control+z")
@@ -402,8 +559,8 @@ def test_a_geometry_is_improved_and_undone(base_url: str, open_page: Open, inspe
 @pytest.mark.long
 def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{SMALL}&l1=3")
-    open_tab(page, "Improve")
-    page.get_by_label("Sought").select_option("more cusps")
+    open_tab(page, "Design")
+    page.get_by_label("Goal").select_option("more cusps")
     expect(page.get_by_label("Cusps, at most")).to_be_disabled()
     page.get_by_role("button", name="Search").click()
     expect(page.locator("#improvements li")).not_to_have_count(0)
@@ -412,7 +569,7 @@ def test_a_search_is_stopped_with_the_best_found_so_far(base_url: str, open_page
     expect(page.get_by_role("button", name="Search")).to_be_enabled()
     expect(page.get_by_role("button", name="Stop, with the best so far")).to_be_disabled()
     page.get_by_label("L1 from").fill("2")
-    page.get_by_label("Sought").select_option("the least change")
+    page.get_by_label("Goal").select_option("the least change")
     page.get_by_role("button", name="Search").click()
     expect(page.locator("#improve-start")).to_be_disabled()
     open_tab(page, "Geometry")
@@ -1162,7 +1319,7 @@ def test_other_ways_of_looking(
     page = open_page(base_url, **options)
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
-    open_tab(page, "How exactly?")
+    open_tab(page, "Tolerance")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#verdict")).to_contain_text("8 cusps at L1 = 27")
     inspect(page, name)

@@ -55,9 +55,12 @@ class Assets(StaticFiles):
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "base-uri 'none'; form-action 'none'; frame-ancestors {ancestors}"
 )
 """Nothing inline, nothing from elsewhere."""
+
+NOBODY = "'none'"
+"""No page may frame this one."""
 
 FIRST_SLICES = {
     "innocenti": "27",
@@ -155,6 +158,12 @@ async def index() -> Response:
     return _page("explorer.html", markup=explorer_markup())
 
 
+@router.get("/embed")
+async def embed(context: ContextDep) -> Response:
+    """One board, which pages of others may frame: it uses no key, and nothing in it changes the service."""
+    return _page("embed.html", ancestors=" ".join(context.settings.embed_origins) or NOBODY)
+
+
 @router.get("/docs")
 async def docs() -> Response:
     """The page of the API, which shows the contract."""
@@ -221,11 +230,12 @@ def _page(
     *,
     text: Mapping[str, str] | None = None,
     markup: Mapping[str, str] | None = None,
+    ancestors: str = NOBODY,
 ) -> Response:
     escaped = {key: html.escape(value) for key, value in (text or {}).items()}
     body = _template(name).substitute(version=__version__, **escaped, **(markup or {}))
     headers = {
-        "Content-Security-Policy": POLICY,
+        "Content-Security-Policy": POLICY.format(ancestors=ancestors),
         "Referrer-Policy": "no-referrer",
         "Cache-Control": "no-cache",
     }

@@ -38,13 +38,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         --max-cusps: maximum number of cusps in any slice; 0: none at all
         --min-cusps: minimum number of cusps in any slice
         --expect-cusps: number of cusps in each slice of --l1 (--l2, …), or in every slice of the range
-        --ignore-windows: a width: windows of other numbers of cusps that are narrower are ignored, and listed
+        --ignore-windows: ignore (but list) windows with other numbers of cusps that are narrower than this
         --degenerate: allowed (and reported) or refused: degenerate poses in every slice, or along a whole
             curve in a slice
         --mode-change: required or excluded: a change of assembly mode without a singularity, in the range
-        --clearance: with --mode-change: how far, in degrees, a change keeps from singular poses
-        --tolerance: a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact
-            then), for which the requirement must hold as well
+        --clearance: with --mode-change: how far, in degrees, the change must keep from singular poses
+        --tolerance: how far all lengths may be off, or single ones, as d1=0.01,a3x=0.002 (the others are
+            exact then), within which the requirement must be met as well
         --junit: write JUnit XML, with a test case for each geometry
         --sarif: write SARIF, for code scanning
         --github: print GitHub annotations (default on GitHub Actions)
@@ -80,8 +80,8 @@ def run(args: argparse.Namespace) -> int:
     Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those
     of its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the
     other legs, only cusps strictly within them are counted. The absence of cusps does not prove that the
-    assembly mode cannot change. With --ignore-windows, what violates the requirement only in windows that are
-    narrower passes; each of these is listed with its width.
+    assembly mode cannot change. With --ignore-windows, a geometry passes that violates the requirement only
+    in windows narrower than the given width; these are listed.
 
     With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths
     differ from its own by at most the tolerance. Otherwise there is a counter-example, or the tolerance is

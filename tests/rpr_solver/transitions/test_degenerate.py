@@ -29,7 +29,7 @@ from rpr_solver import (
 from rpr_solver.exact.biform import BiForm, L, T, U
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.eliminant import Coefficients
-from rpr_solver.transitions.degeneracies import _curves
+from rpr_solver.transitions.degeneracies import _curves, _has_no_curves
 from tests.support.families import FAMILIES, family
 from tests.support.sampling import long
 from tests.support.shared import eliminant_of
@@ -156,6 +156,7 @@ def altered(singular: fmpz_mpoly, coalescence: fmpz_mpoly, *, root: int | None =
     slice_map = SliceMap(own.fixed_leg, own.scale, own.rho, own.radicand, own.f, own.g)
     for name, p in (("singular", singular), ("coalescence", coalescence)):
         vars(slice_map)[name] = BiForm.of(p, 1, *map(int, p.degrees()[:2]))
+    vars(slice_map)["tables"] = slice_map.singular.coefficients, slice_map.coalescence.coefficients
     a, none = fmpz_mat(25, 11), fmpz_mat(25, 11)
     if root is not None:
         for i, k in product(range(25), range(10)):
@@ -194,3 +195,11 @@ def test_beside_a_shared_curve_there_may_be_one_at_a_single_length() -> None:
     assert str(always.equation).startswith("t - 1 = 0")
     assert {(curve.start, curve.stop) for curve in once} == {("60.0000000000000", "60.0000000000000")}
     assert {str(curve.equation)[:9] for curve in once} == {"u - 2 = 0", "alpha = 0"}
+
+
+@pytest.mark.parametrize("leg", [1, 2, 3])
+def test_a_prime_shows_that_ordinary_manipulators_have_no_curves(leg: int) -> None:
+    """For each that has none over every L, two values of u will do."""
+    for manipulator in EXAMPLES.values():
+        assert _has_no_curves(SliceMap.of(manipulator, leg))
+    assert not _has_no_curves(SliceMap.of(CONGRUENT, leg))

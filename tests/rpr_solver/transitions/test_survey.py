@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import pytest
 from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator, census
+from rpr_solver import EXAMPLES, Manipulator, census, solve_slice
 from rpr_solver.contract import silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import Algebraic
@@ -216,6 +216,21 @@ def test_a_pose_that_solves_several_systems_is_listed_once() -> None:
     [transition] = census(FOLDED, fixed_leg=3, digits=15, start="3.9", stop="4.1").transitions
     assert transition.length == "4.00000000000000"
     assert [event.kind for event in transition.events] == ["node"]
+
+
+@pytest.mark.parametrize("name", ["innocenti", "zein-flat", "sixteen-cusps", "eighteen-cusps"])
+@pytest.mark.parametrize("leg", [1, 2])
+def test_what_changes_at_events_is_what_slices_on_both_sides_have(name: str, leg: int) -> None:
+    found = survey(EXAMPLES[name], leg, silent)
+    counts = [solve_slice(found.eliminant, part.length, 15).count for part in found.slices]
+    assert [part.count for part in found.slices] == counts
+    proved = [
+        (before + sum(event.change for event in group), after)
+        for group, (before, after) in zip(found.groups, pairwise(counts), strict=True)
+        if all(event.change is not None for event in group)
+    ]
+    assert proved
+    assert all(expected == after for expected, after in proved)
 
 
 def test_sides_of_very_different_sizes_are_refused_at_once() -> None:

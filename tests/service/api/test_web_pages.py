@@ -20,7 +20,9 @@ from tests.support.service_server import GEOMETRY, serving
 
 ROOT = Path(__file__).parents[3]
 MODULES = sorted(path.name for path in (WEB / "explorer").glob("*.js"))
-LATER = sorted(path.name for path in (WEB / "space").glob("*.js"))
+LATER = sorted(
+    path.relative_to(WEB).as_posix() for name in ("space", "tabs") for path in (WEB / name).glob("*.js")
+)
 """The modules that are loaded when somebody opens what they draw."""
 
 
@@ -56,11 +58,21 @@ def test_every_module_is_loaded_ahead_and_checked_again_each_time(idle: httpx.Cl
 
 
 @pytest.mark.parametrize("name", LATER)
-def test_modules_of_the_space_are_loaded_only_with_it(idle: httpx.Client, name: str) -> None:
+def test_what_is_opened_later_is_loaded_only_then(idle: httpx.Client, name: str) -> None:
     page = idle.get("/").text
-    assert f"static/space/{name}" not in page
+    assert f"static/{name}" not in page
     assert "three.min.mjs" not in page
-    assert idle.get(f"/static/space/{name}").headers["cache-control"] == "no-cache"
+    assert idle.get(f"/static/{name}").headers["cache-control"] == "no-cache"
+
+
+def test_one_board_may_be_framed_by_pages_of_others(idle: httpx.Client, shared: httpx.Client) -> None:
+    """By all, unless a setting names some; and no other page by any."""
+    policies = [client.get("/embed").headers["content-security-policy"] for client in (idle, shared)]
+    assert [policy.partition("frame-ancestors ")[2] for policy in policies] == ["*", PAGE]
+    other = idle.get("/").headers["content-security-policy"]
+    assert other.replace("'none'", "*") == policies[0].replace("'none'", "*")
+    page = idle.get("/embed").text
+    assert not re.search(r" on\w+=| style=|<style|<script>|javascript:", page)
 
 
 @pytest.mark.parametrize("folder", [WEB / "jsxgraph", WEB / "three", ROOT / "tests" / "browser" / "axe"])
@@ -82,7 +94,9 @@ QUESTION = {"geometry": GEOMETRY, "l1": "6.0625", "digits": 15}
 @pytest.fixture(scope="module")
 def shared(valkey: EmbeddedValkey) -> Iterator[httpx.Client]:
     """A client of a service that one page may call."""
-    settings = Settings(redis_url=f"{valkey.url}?db=1", cors_origins=f"https://other.example, {PAGE}")
+    settings = Settings(
+        redis_url=f"{valkey.url}?db=1", cors_origins=f"https://other.example, {PAGE}", embed_origins=PAGE
+    )
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
         yield client
 

@@ -34,9 +34,11 @@ export function orNoAnswer(error) {
 /** The service cannot be reached. */
 export class GoneError extends Error {}
 
+const isFramed = "embedded" in document.documentElement.dataset; // a page that others may frame uses no key
+
 /** The key for a service that asks for one; kept as long as this tab. */
 export const key = {
-  get: () => sessionStorage.getItem(KEY) ?? "",
+  get: () => (isFramed ? "" : (sessionStorage.getItem(KEY) ?? "")),
   set: (text) => (text ? sessionStorage.setItem(KEY, text) : sessionStorage.removeItem(KEY)),
 };
 
@@ -110,12 +112,17 @@ export async function fileOf([path, question], accept) {
   return response;
 }
 
+/** Saves something as a file. */
+export function keep(blob, name) {
+  const url = URL.createObjectURL(blob);
+  make("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
+}
+
 /** Saves the answer to a question as a file. */
 export async function save(question, accept, name) {
   try {
-    const url = URL.createObjectURL(await (await fileOf(question, accept)).blob());
-    make("a", { href: url, download: name }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 1000);
+    keep(await (await fileOf(question, accept)).blob(), name);
   } catch (error) {
     say(error.message);
   }
@@ -167,6 +174,6 @@ async function read(response) {
   try {
     return await response.json();
   } catch (error) {
-    throw error.name === "AbortError" ? error : new GoneError("The answer of the service broke off.");
+    throw error.name === "AbortError" ? error : new GoneError("The answer of the service was interrupted.");
   }
 }

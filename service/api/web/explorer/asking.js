@@ -32,12 +32,13 @@ export class Asking {
 
   /**
    * The answer to a question `[path, question]` about a state; null without one, or if the page has gone on, unless
-   * that `isLate` does not matter. `onRefusal(reason)` is told why there can be no answer.
+   * that `isLate` does not matter. `onRefusal(reason)` is told why there can be no answer; with `hasFields`, also what is
+   * wrong with the question, whose fields the caller has.
    */
-  async ask(name, state, [path, question], { onRefusal, isLate = false, ...options } = {}) {
+  async ask(name, state, [path, question], { onRefusal, isLate = false, hasFields = false, ...options } = {}) {
     const answer = await this.run(name, state, (follow) => ask(path, question, { ...follow, ...options }).catch((error) => {
       if (!onRefusal) throw error;
-      const none = orNoAnswer(error);
+      const none = hasFields && error.status === 422 ? null : orNoAnswer(error);
       if (this.#isCurrent(state)) onRefusal(error.message);
       return none;
     }));

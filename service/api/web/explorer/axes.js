@@ -47,7 +47,7 @@ function seams(board) {
     top: [`M${left} ${top}H${right}`, `M${across - 8} ${top - 4}l8 4l-8 4zm8 0l8 4l-8 4z`],
     bottom: [`M${left} ${bottom}H${right}`, `M${across - 8} ${bottom - 4}l8 4l-8 4zm8 0l8 4l-8 4z`],
   };
-  const what = "Opposite sides, with the same arrows, are one line: 180° is −180°";
+  const what = "Opposite sides, with the same arrows, are the same line: 180° is −180°";
   const shown = Object.keys(sides).filter((side) => isSeen[side]).flatMap((side) => sides[side].map((d, k) => ({ d, class: ["seam", "arrow"][k] })));
   return shown.map((attributes) => shape("path", { ...attributes, "data-what": what }));
 }

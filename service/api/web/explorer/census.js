@@ -196,7 +196,7 @@ function picture(windows, width, tall) {
 function numbers(windows, width, heightOf) {
   const taken = [];
   return [...windows].sort((one, other) => other.count - one.count).flatMap(({ left, right, count }) => {
-    const [x, y, half] = [((left + right) / 2) * width, heightOf(count), 3.6 * String(count).length];
+    const [x, y, half] = [((left + right) / 2) * width, heightOf(count), 4.8 * String(count).length];
     if (taken.some((other) => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < 11)) return [];
     taken.push({ x, y, half });
     return [shape("text", { class: "number", x, y }, count)];

@@ -18,7 +18,7 @@ export class CurveLayer {
   constructor(board, view) {
     this.#board = board;
     this.#view = view;
-    const areas = view === "joint" ? MODES.map((count) => [`modes-${count}`, `${count} poses for each L2, L3 in here`]) : aspectNames();
+    const areas = view === "joint" ? MODES.map((count) => [`modes-${count}`, `${count} poses for each (L2, L3) in this region`]) : aspectNames();
     this.#areas = areas.map(([name, what]) => ({ name, line: makeLine(board, `area ${name}`, 1, what) }));
     this.#curve = makeLine(board, "singular", 4, "Singular curve: two poses merge");
   }

@@ -36,6 +36,6 @@ export async function copy(text, done) {
     await navigator.clipboard.writeText(text);
     say(done);
   } catch {
-    say("This browser does not let the page copy.");
+    say("This browser does not allow the page to copy.");
   }
 }

@@ -1,4 +1,4 @@
-/** "How exactly?": whether the number of cusps stays within a tolerance, and what binds it. */
+/** "Tolerance": whether the number of cusps stays within a tolerance, and what binds it. */
 
 import { counted } from "./census.js";
 import { shortened } from "./decimals.js";

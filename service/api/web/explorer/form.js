@@ -60,7 +60,7 @@ export class Fields {
     return [...numbersIn(geometry), ["l1", l1]].flatMap(([field, text]) => {
       const value = toNumber(text);
       if (text === "") return [{ field, message: "is missing; write a decimal such as 17.04" }];
-      if (!Number.isFinite(value)) return [{ field, message: `is ${text}, which is no number; write a decimal such as 17.04, a quotient such as 426/25, or a root such as 5*sqrt(3)/2` }];
+      if (!Number.isFinite(value)) return [{ field, message: `is ${text}, which is not a number; write a decimal such as 17.04, a quotient such as 426/25, or a root such as 5*sqrt(3)/2` }];
       if (field === "l1" && value <= 0) return [{ field, message: `is ${text}; a leg length must be > 0` }];
       // a side of a triangle is 0 where legs share a joint
       const isWrong = /^d|\.sides/.test(field) ? value < 0 : /\.equilateral/.test(field) && value <= 0;
@@ -122,7 +122,7 @@ export function firstExample() {
 }
 
 function exampleOf(option) {
-  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null, limits: null };
+  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null, limits: null, home: null };
 }
 
 /** Shows a number in a field, unless it is what stands there with a decimal comma. */

@@ -1,4 +1,4 @@
-/** "Improve": a search for a geometry that does better, and what it finds as it finds it. */
+/** "Design": a search for a geometry that does better, and what it finds as it finds it. */
 
 import { ask, call, orNoAnswer } from "./api.js";
 import { decimal, shortened, toNumber } from "./decimals.js";

@@ -28,6 +28,7 @@ export class JointSpace {
   #others = null; // points that are no cusps
   #loop = null;
   #samples = [];
+  #isPath = false; // whether they are of a path other than a loop
   #limits = null; // the line of the rectangle
   #rectangle = null; // its bounds
   #poses = []; // marks of the poses of a joint vector, on the torus
@@ -103,10 +104,11 @@ export class JointSpace {
     if (hadFocus) this.#points[this.#active]?.rendNode.focus();
   }
 
-  drawLoop(samples) {
-    this.#samples = samples;
+  drawLoop(samples, isPath = false) {
+    [this.#samples, this.#isPath] = [samples, isPath];
     if (!this.#board) return;
     const places = samples.map(PLACES[this.#view]);
+    this.#loop.node.dataset.what = this.#isPath ? "Path without a singularity" : "Loop round the cusp, without a singularity";
     this.#loop.set(this.#view === "torus" ? wrapped(places) : places);
     this.#follow();
   }
@@ -128,7 +130,7 @@ export class JointSpace {
     move(this.#vector, place);
     const { rendNode } = this.#vector;
     rendNode.ariaLabel = `Joint vector, L2 = ${shortened(place[0])}, L3 = ${shortened(place[1])}`;
-    rendNode.dataset.what = `${rendNode.ariaLabel}: drag it, and its poses follow`;
+    rendNode.dataset.what = `${rendNode.ariaLabel}: drag it, and the poses follow`;
   }
 
   #drawMarks() {
@@ -161,9 +163,9 @@ export class JointSpace {
   }
 
   drawLimits(limits) {
-    this.#rectangle = limits;
+    this.#rectangle = limits?.l2 || limits?.l3 ? limits : null;
     if (!this.#board) return;
-    this.#limits.set(limits && this.#view === "joint" ? this.#corners() : []);
+    this.#limits.set(this.#rectangle && this.#view === "joint" ? this.#corners() : []);
     this.#repaint();
   }
 
@@ -214,8 +216,8 @@ export class JointSpace {
     bindPicking(this.#board, { ...this.#told, onPlace: (place) => this.#picked(place), isDrawing: () => this.isDrawing, onDraft: (limits) => this.drawLimits(limits) });
     this.#layer = new CurveLayer(this.#board, view);
     this.#limits = makeLine(this.#board, "limits", 3, "Joint limits of legs 2 and 3");
-    this.#others = makeLine(this.#board, "degenerate", 8, "A degenerate pose that is no cusp");
-    this.#loop = makeLine(this.#board, "loop", 6, "Loop round the cusp, without a singularity");
+    this.#others = makeLine(this.#board, "degenerate", 8, "A degenerate pose, not a cusp");
+    this.#loop = makeLine(this.#board, "loop", 6);
     this.#vector = view === "joint" ? this.#makeVector() : null;
     this.#group = this.#board.renderer.layer[9];
     on(this.#group, "keydown", (event) => this.#key(event), true);
@@ -227,7 +229,7 @@ export class JointSpace {
     };
     const look = view === "joint" ? { room: ROOM, stretch: STRETCH } : { room: EXACT, stretch: Infinity };
     this.#frame = new Frame(this.#board, () => this.#extent(), { ...look, onMove: () => this.#moved() });
-    this.drawLoop(this.#samples);
+    this.drawLoop(this.#samples, this.#isPath);
     this.drawLimits(this.#rectangle);
     this.drawPoses(this.#at, this.#listed);
   }
@@ -293,7 +295,7 @@ export class JointSpace {
       { name: "singular", as: "line", text: "singular curve", if: Boolean(this.#curves) },
       { name: "cusp", as: "mark", text: "cusp", if: this.#points.length > 0 },
       { name: "degenerate", as: "cross", text: "degenerate, no cusp", if: this.#slice?.degenerate_points?.length > 0 },
-      { name: "loop", as: "line", text: "loop round the cusp", if: this.#samples.length > 0 },
+      { name: "loop", as: "line", text: this.#isPath ? "path without a singularity" : "loop round the cusp", if: this.#samples.length > 0 },
       { name: isJoint ? "vector" : "pose-point chosen", as: "mark", text: isJoint ? "joint vector" : "its poses", if: Boolean(this.#at) },
       { name: "limits", as: "area", text: "joint limits", if: isJoint && Boolean(this.#rectangle) },
     ], "marks");

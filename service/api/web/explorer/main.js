@@ -5,15 +5,15 @@ import { Calls } from "./calls.js";
 import { CensusStrip } from "./census.js";
 import { legendOf, showLegend } from "./curves.js";
 import { byId, on, say, write } from "./dom.js";
-import { shortened, toNumber } from "./decimals.js";
+import { decimal, shortened, toNumber } from "./decimals.js";
 import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
 import { Following, fateOf } from "./following.js";
-import { isSix, measured, pairOf } from "./geometry.js";
+import { isSix, measured, pairOf, placesOf } from "./geometry.js";
 import { Improve } from "./improve.js";
 import { JointSpace, spoken } from "./joint_space.js";
-import { nearestIn } from "./kinematics.js";
-import { JointLimits } from "./limits.js";
+import { nearestIn, vectorOf } from "./kinematics.js";
+import { JointLimits, isWithin } from "./limits.js";
 import { Mechanism } from "./mechanism.js";
 import { posesAt, vectorNear } from "./merging.js";
 import { Motion } from "./motion.js";
@@ -30,6 +30,7 @@ import { Steps } from "./steps.js";
 import { CuspTable } from "./table.js";
 
 const REST = 300; // ms without a change after which the page asks for the rest
+const PANELS = { path: () => import("../tabs/path.js"), workspace: () => import("../tabs/workspace.js") };
 
 class Explorer {
   state;
@@ -47,6 +48,9 @@ class Explorer {
   #tolerance = toleranceAt(0);
   #timer = null;
   #rest = null; // the timer of a joint vector that is dragged
+  #bound = null; // the timer of joint limits that are entered
+  #route = null; // a path that is shown instead of the loop round the cusp
+  #panels = new Map(); // panels whose modules are loaded when they are opened
   #near = null; // the special shape nearby
   #isBlocked = false; // whether fields are wrong
 
@@ -64,7 +68,7 @@ class Explorer {
     onPick: (vector) => this.#pick(vector),
     onHold: (vector) => this.#hold(vector),
     onPose: (pose) => this.#moveTo({ ...pose, l1: toNumber(this.state.l1) }),
-    onLimits: (limits) => this.#limit(limits),
+    onLimits: (limits) => this.#limit({ ...this.state.limits, ...limits }),
     onZoom: (factor) => this.#refine(factor),
   });
   #space = new SpaceView({
@@ -78,7 +82,12 @@ class Explorer {
   });
   #table = new CuspTable({ onSelect: (index) => this.#select(index) });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
-  #poses = new Poses({ onPick: (vector) => this.#pick(vector), onChoose: (pose) => this.#choosePose({ pose }) });
+  #poses = new Poses({
+    onPick: (vector) => this.#pick(vector),
+    onChoose: (pose) => this.#choosePose({ pose }),
+    onHome: () => this.#keep({ l1: this.state.l1, ...this.state.at }),
+    onGo: ({ l1, ...at }) => this.#change({ l1, at }),
+  });
   #exactness = new Exactness({ ask: (...question) => this.#ask(...question), onOpen: (geometry) => this.#open(geometry) });
   #improve = new Improve({
     run: (task) => this.asking.run("design", this.state, (follow) => task(this.state.geometry, follow)),
@@ -91,6 +100,7 @@ class Explorer {
       if (isDrawing) this.#view("joint");
       this.#joint.isDrawing = isDrawing;
     },
+    onPath: (path) => this.#showRoute(path),
     ask: (...question) => this.#ask(...question),
   });
   #calls = new Calls();
@@ -104,7 +114,7 @@ class Explorer {
   #pictures = new Pictures(this);
 
   open() {
-    bindPanel();
+    bindPanel((id) => this.#openPanel(id));
     const fault = location.hash.length > 1 && !stateOf(location.hash) ? faultOf(location.hash) : "";
     this.state = stateOf(location.hash) ?? { ...firstExample(), view: "joint", mode: "move" };
     notice(fault);
@@ -122,7 +132,6 @@ class Explorer {
     notice(state ? "" : faultOf(hash).replace("The first example is shown.", "The picture is as it was."));
     if (!state || hashOf(state) === hashOf(this.state)) return;
     this.#change(state, geometryText(state.geometry) !== geometryText(this.state.geometry));
-    this.#joint.drawLimits(state.limits);
     this.#view(state.view, false);
   }
 
@@ -141,7 +150,7 @@ class Explorer {
   /** Takes a change, of L1 by steps of the slider: asks for the slice at once, for the rest at rest. */
   #change(change, isWhole = false, by = 0) {
     if (change.geometry) {
-      this.asking.cancel("census", "design");
+      this.asking.cancel("census", "design", "path", "workspace");
       this.#improve.clear();
       byId("near").hidden = true;
     }
@@ -149,9 +158,11 @@ class Explorer {
     this.#fate = "";
     if ("cusp" in change) this.#following.forget();
     this.#exactness.clear();
+    this.#limits.clear();
     this.#clearLoop();
     this.state = { ...this.state, ...change };
     if (isWhole) this.#joint.fitNext();
+    if ("limits" in change) this.#joint.drawLimits(change.limits);
     this.#merge = null;
     if (!this.state.at || "at" in change) this.#poseTable = null;
     else this.#follow();
@@ -195,6 +206,7 @@ class Explorer {
     this.strip.show(l1);
     this.#improve.propose(l1);
     this.#poses.show(this.state.at);
+    this.#tellPanels();
     byId(`view-${view}`).checked = true;
     this.#fillSpace();
     byId(`mode-${mode}`).checked = true;
@@ -330,16 +342,36 @@ class Explorer {
 
   async #askLoop() {
     const state = this.state;
+    if (this.#route) return false;
     this.#clearLoop();
     if (!this.#cusp) return false;
+    if (state.limits && !isWithin(this.#cusp, state.limits)) {
+      this.#motion.show(null, `Cusp ${letterOf(this.#selected)} is outside the joint limits, and so is every loop round it.`);
+      return false;
+    }
     const told = { onRefusal: (reason) => this.#motion.show(null, reason) };
     const path = await this.asking.ask("loop", state, loopOf(state, letterOf(this.#selected)), told);
-    if (!path) return false;
+    if (!path || this.#route || state.limits !== this.state.limits) return false;
+    this.#showPath(path);
+    return true;
+  }
+
+  #showPath(path) {
     this.#motion.show(path);
-    this.#joint.drawLoop(this.#motion.samples);
+    this.#joint.drawLoop(this.#motion.samples, Boolean(this.#route));
     this.#fillSpace();
     this.#draw();
-    return true;
+  }
+
+  /** Shows and plays a path of another question instead of the loop round the cusp, over the slice in which it begins. */
+  #showRoute(path) {
+    const [{ l1 }] = path.samples;
+    if (toNumber(l1) !== toNumber(this.state.l1)) this.#change({ l1: path.l1 ?? path.from.l1 ?? l1 });
+    this.asking.cancel("loop");
+    this.#route = path;
+    this.#showPath(path);
+    this.#move(this.#motion.samples[0]);
+    this.#motion.playUnlessCalm();
   }
 
   #pick(vector) {
@@ -372,6 +404,16 @@ class Explorer {
     this.#hold(vectorNear(lengths, pose));
   }
 
+  /** Takes a pose of any L1. */
+  #moveOff(pose) {
+    const lengths = measured(this.state.geometry);
+    const l1 = decimal(pose.l1, placesOf(lengths));
+    const [, l2, l3] = vectorOf(lengths, { ...pose, l1: toNumber(l1) }).map((length) => decimal(length, placesOf(lengths)));
+    this.#last = pose;
+    this.#change({ l1, at: { l2, l3, pose: 0 } });
+    this.#follow();
+  }
+
   /** Takes the poses of the state in doubles, and of them the nearest to the one that was drawn. */
   #follow() {
     const { geometry, l1, at } = this.state;
@@ -401,8 +443,39 @@ class Explorer {
       this.#visit(this.#selected);
     }
     this.#poses.show(at);
+    this.#tellPanels();
     this.#tell();
     this.#drawPoses();
+  }
+
+  #keep(home) {
+    this.state = { ...this.state, home };
+    this.#tellPanels();
+    this.#tell();
+  }
+
+  /** Loads the module of a panel that has one, when it is opened for the first time. */
+  async #openPanel(id) {
+    if (!(id in PANELS)) return;
+    if (this.#panels.get(id)) this.#tellPanels();
+    if (this.#panels.has(id)) return;
+    this.#panels.set(id, null);
+    const { Panel } = await PANELS[id]();
+    const told = {
+      ask: (...question) => this.#ask(...question),
+      onPath: (path) => this.#showRoute(path),
+      onLimits: (limits) => this.#limit(limits),
+      onPose: (pose) => this.#moveOff(pose),
+    };
+    this.#panels.set(id, new Panel(byId(id), told));
+    this.#tellPanels();
+  }
+
+  /** Tells the panels about the state: the poses that are listed, and the cusp that is selected. */
+  #tellPanels() {
+    this.#poses.keep(this.state);
+    const shown = { ...this.state, poses: this.#poseTable?.poses ?? [], isDraft: this.#poseTable?.isDraft ?? false, cusp: this.#cusp ? letterOf(this.#selected) : null, here: this.#last };
+    for (const panel of this.#panels.values()) panel?.show(shown);
   }
 
   async #askPoses() {
@@ -417,6 +490,7 @@ class Explorer {
     this.#fields.clear();
     this.#poseTable = table;
     this.#poses.draw(table, pose);
+    this.#tellPanels();
     say(byId("pose-count").textContent);
     this.#drawPoses();
   }
@@ -443,6 +517,7 @@ class Explorer {
   }
 
   #clearLoop() {
+    this.#route = null;
     const isDrawn = this.#motion.samples.length > 0;
     this.#motion.show(null);
     if (!isDrawn) return;
@@ -474,16 +549,23 @@ class Explorer {
 
   #limit(limits) {
     this.state = { ...this.state, limits };
+    this.#limits.clear();
+    this.#tellPanels();
     this.#limits.show(limits, this.#slice?.cusps);
     this.#joint.drawLimits(limits);
     this.#fillSpace();
     if (limits) this.#limits.draws(false);
     this.#tell();
+    this.asking.cancel("loop");
+    this.#clearLoop();
+    clearTimeout(this.#bound);
+    this.#bound = setTimeout(() => this.#askLoop(), REST);
   }
 
   async #select(index) {
     if (this.state.at) this.#pose(null);
     this.#fate = "";
+    this.#route = null;
     this.#mark(index);
     this.#following.know({ geometry: geometryText(this.state.geometry), l1: this.#slice.l1, cusp: index });
     this.#tell();

@@ -20,11 +20,11 @@ const AWAY = 15; // pixels from a mark to its name
 export class Mechanism {
   #board = makeBoard("mechanism-board", "The manipulator");
   #lines = {
-    orbit: makeLine(this.#board, "orbit", 2, "Circle of B1, which keeps the length L1 from A1"),
+    orbit: makeLine(this.#board, "orbit", 2, "Circle of B1: its distance from A1 is L1"),
     base: makeLine(this.#board, "base", 3, "Base: A1, A2, A3 are fixed"),
     candidate: makeLine(this.#board, "candidate", 3, "A better geometry, at the same pose"),
-    ghosts: makeLine(this.#board, "ghost", 3, "Another pose of the same three lengths"),
-    meeting: makeLine(this.#board, "meeting", 3, `A singular pose, or one within ${NEAR}° of it: the lines of the legs meet in a point, about which the platform can turn a little with all lengths kept`),
+    ghosts: makeLine(this.#board, "ghost", 3, "Another pose with the same three lengths"),
+    meeting: makeLine(this.#board, "meeting", 3, `A singular pose, or one within ${NEAR}° of it: the lines of the legs meet in a point, about which the platform can turn a little although no length changes`),
     platform: makeLine(this.#board, "platform", 4, "Platform: B1, B2, B3 move with it"),
     legs: [0, 1, 2].map(() => makeLine(this.#board, "legs", 6)),
   };

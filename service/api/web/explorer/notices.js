@@ -5,7 +5,7 @@ import { byId, on, say, write } from "./dom.js";
 
 /** The line about a special shape nearby that contradicts or weakens an answer; empty without one. */
 export function nearText(shape) {
-  return shape ? `Within ${shape.distance} of a special shape: ${shape.says}. What is shown is proved of the numbers as given.` : "";
+  return shape ? `Within ${shape.distance} of a special shape: ${shape.says}. The answers shown are proved for the numbers as entered.` : "";
 }
 
 /** The special shape near the geometry of an answer that contradicts or weakens it. */

@@ -17,7 +17,7 @@ export function bindTabs(list, onOpen) {
   tabs.forEach((tab, k) => {
     on(tab, "click", () => {
       open(tab);
-      tab.scrollIntoView({ block: "nearest", inline: "nearest" });
+      tab.scrollIntoView({ block: "nearest", inline: "center" });
     });
     on(tab, "keydown", (event) => {
       const to = { ArrowRight: k + 1, ArrowLeft: k - 1, Home: 0, End: -1 }[event.key];
@@ -30,8 +30,8 @@ export function bindTabs(list, onOpen) {
   open(tabs[0]);
 }
 
-/** The tabs of the panel, the switch of a phone between the boards, hints and the glossary. */
-export function bindPanel() {
+/** The tabs of the panel, the switch of a phone between the boards, hints and the glossary; `onOpen(id)` is told which panel opens. */
+export function bindPanel(onOpen) {
   const sections = [...document.querySelectorAll("#panel > section:not([data-absent])")];
   for (const section of sections) {
     const tab = make("button", { id: `tab-${section.id}`, textContent: section.dataset.tab });
@@ -43,6 +43,7 @@ export function bindPanel() {
   bindTabs(byId("tabs"), (tab) => {
     for (const section of sections) section.hidden = section.dataset.tab !== tab.textContent;
     if (tab.textContent === "Help") fillTerms();
+    onOpen(tab.getAttribute("aria-controls"));
   });
   for (const radio of document.querySelectorAll("input[name=shown]")) on(radio, "change", () => (byId("boards").dataset.shown = radio.value));
   on("keys", "change", () => byId("boards").classList.toggle("keyed", byId("keys").checked));

@@ -10,10 +10,16 @@ const TIMES = { 2: ", double", 3: ", triple" };
 export class Poses {
   #regions = [];
   #onChoose;
+  #home = null;
 
-  /** `onPick({l2, l3})` is told which joint vector is meant, `onChoose(index)` which of its poses. */
-  constructor({ onPick, onChoose }) {
+  /**
+   * `onPick({l2, l3})` is told which joint vector is meant, `onChoose(index)` which of its poses, `onHome()` that the shown
+   * one is the home pose, `onGo(home)` that it is to be shown again.
+   */
+  constructor({ onPick, onChoose, onHome, onGo }) {
     this.#onChoose = onChoose;
+    on("set-home", "click", onHome);
+    on("go-home", "click", () => onGo(this.#home));
     for (const name of FIELDS) {
       on(name, "input", () => {
         const [l2, l3] = FIELDS.map((field) => pointed(byId(field).value));
@@ -32,6 +38,14 @@ export class Poses {
     const known = this.#regions.findIndex(({ point }) => at && FIELDS.every((name) => point[name] === at[name]));
     byId("region").value = known < 0 ? "" : String(known);
     if (!at) this.draw(null);
+  }
+
+  /** Takes the home pose of a state. */
+  keep({ home, at }) {
+    this.#home = home;
+    byId("go-home").disabled = !home;
+    byId("set-home").disabled = !at;
+    write("home-text", home ? `Home, kept in the link: ${poseText(home)}.` : "");
   }
 
   offer(curves, at) {
@@ -67,6 +81,9 @@ export class Poses {
 export function placed({ x, y, phi_deg: phi }) {
   return phi === undefined ? "" : `; x = ${shortened(x, 5)}, y = ${shortened(y, 5)}, φ = ${shortened(phi, 5)}°`;
 }
+
+/** A pose of a joint vector in words. */
+export const poseText = ({ l1, l2, l3, pose }) => `pose ${pose + 1} of L1 = ${l1}, L2 = ${l2}, L3 = ${l3}`;
 
 function spoken({ l1, l2, l3, count }) {
   return `L1 = ${l1}, L2 = ${l2}, L3 = ${l3}: ${count === 0 ? "no pose" : count === 1 ? "1 pose" : `${count} poses`}`;

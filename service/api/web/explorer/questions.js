@@ -3,7 +3,7 @@
 export const [WHILE_MOVING, AT_REST] = [15, 30]; // digits
 const COARSE = "0.003"; // tolerance of the curves while something moves
 const TOLERANCES = [[0, "0.001"], [4, "0.0001"], [40, "0.00001"], [400, "0.000001"]]; // by magnification
-const SAMPLES = 201; // of a loop
+export const SAMPLES = 201; // of a loop
 
 /** The tolerance of curves that are magnified. */
 export function toleranceAt(factor) {
@@ -17,6 +17,15 @@ export const censusOf = ({ geometry }) => ["v1/censuses", { geometry, digits: WH
 /** The cusp curves at the length of the slice and at another one. */
 export const cuspCurvesOf = ({ geometry, l1 }, other) => ["v1/cusp-curves", { geometry, l1: [other, l1], digits: WHILE_MOVING }];
 export const marginOf = ({ geometry, l1 }, tolerance) => ["v1/margins", { geometry, l1, tolerance }];
-export const modesOf = ({ geometry, l1, limits }) => ["v1/assembly-modes", { geometry, l1, ...(limits ? { limits } : {}) }];
+/** Whether the mode can change: in the slice, or in the range of L1 if that is limited; with thresholds, `{clearance, tolerance}`. */
+export const modesOf = ({ geometry, l1, limits }, thresholds = {}) => {
+  const range = limits?.l1 && { from: limits.l1.min, to: limits.l1.max ?? null };
+  return ["v1/assembly-modes", { geometry, ...(range ? { range } : { l1 }), ...limitsIn(freeLimits(limits)), ...thresholds }];
+};
 export const posesOf = ({ geometry, l1, at: { l2, l3 } }) => ["v1/poses", { geometry, l1, l2, l3, digits: WHILE_MOVING }];
-export const loopOf = ({ geometry, l1 }, cusp) => ["v1/paths", { geometry, l1, cusp, samples: SAMPLES, digits: WHILE_MOVING }];
+export const loopOf = ({ geometry, l1, limits }, cusp) => ["v1/paths", { geometry, l1, cusp, ...limitsIn(freeLimits(limits)), samples: SAMPLES, digits: WHILE_MOVING }];
+
+/** The limits of the legs that are not held. */
+export const freeLimits = (limits) => Object.fromEntries(Object.entries(limits ?? {}).filter(([leg]) => leg !== "l1"));
+
+export const limitsIn = (limits) => (Object.keys(limits).length > 0 ? { limits } : {});

@@ -1,8 +1,8 @@
 /** Pictures to keep: the same that the service draws for print, as SVG or PNG. */
 
-import { fileOf, save } from "./api.js";
+import { address, fileOf, save } from "./api.js";
 import { byId, copy, make, on, say } from "./dom.js";
-import { letterOf } from "./state.js";
+import { MODES, hashOf, letterOf } from "./state.js";
 
 const SCALE = 2; // pixels of a PNG by one of the picture
 
@@ -15,6 +15,7 @@ export class Save {
     this.#canvases = canvases;
     on("picture", "change", () => (byId("svg").disabled = byId("picture").value in canvases));
     on("copy-link", "click", () => copy(location.href, "The link is copied."));
+    on("copy-frame", "click", () => copy(frameOf(this.#state), "The line for a page is copied."));
     on("svg", "click", () => save(pictureOf(this.#state, byId("picture").value), "image/svg+xml", "cusps.svg"));
     on("png", "click", () => this.#png());
   }
@@ -48,6 +49,12 @@ export class Save {
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
     return canvas;
   }
+}
+
+/** The board as an element of another page. */
+function frameOf({ home, mode, ...state }) {
+  const link = `${address("embed")}${hashOf({ ...state, mode: MODES[0] })}`.replaceAll("&", "&amp;").replaceAll('"', "%22");
+  return `<iframe src="${link}" width="640" height="560" title="Cusps of a 3-RPR manipulator" loading="lazy"></iframe>`;
 }
 
 /** The question of a picture; it is light on white, as for print. */

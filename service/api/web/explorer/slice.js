@@ -4,10 +4,10 @@ import { counted } from "./census.js";
 import { byId, make, write } from "./dom.js";
 
 const REASONS = [
-  [/every pose of this slice is singular/, "Every pose of this length is singular: the platform is nowhere held, so that there is no curve to draw."],
-  [/whole lines? theta/, "The curve has whole lines on which leg 1 keeps its direction. They are not drawn."],
-  [/double precision|told apart|do not close/, "Here curves lie so near to each other, or on each other, that a drawing cannot tell its regions apart. A length near by may have a picture."],
-  [/not rational|repeated component/, "The curves of this slice lie on each other. They are not drawn."],
+  [/every pose of this slice is singular/, "Every pose of this slice is singular, so there is no curve to draw."],
+  [/whole lines? theta/, "The singular curve contains whole lines on which leg 1 keeps its direction, so it is not drawn."],
+  [/double precision|told apart|do not close/, "Curves are so close together here, or coincide, that a drawing cannot separate its regions. Try a slightly different length."],
+  [/not rational|repeated component/, "The curves of this slice coincide, so they are not drawn."],
 ];
 
 /** Shows how many cusps a slice has. */
@@ -25,6 +25,6 @@ export function lack(l1, reason, isFirst) {
   if (!reason) return;
   const words = REASONS.find(([pattern]) => pattern.test(reason))?.[1] ?? "This slice is of a special kind that cannot be drawn.";
   const behind = isFirst ? "" : " Behind this is the last picture, dimmed.";
-  write("why-text", `L1 = ${l1} has no picture. ${words}${behind} The table has what is known of this slice.`);
+  write("why-text", `L1 = ${l1} has no picture. ${words}${behind} The table shows what is known about this slice.`);
   write("why-detail", `The service says: ${reason}`);
 }

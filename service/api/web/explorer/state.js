@@ -1,13 +1,15 @@
 /**
  * What the page shows, and its address: `#g=15.91,0,10,17.04,16.54,20.84,ccw&l1=14.98&c=B&v=joint`, or with two
  * triangles `#g=points,0,0,10,0,5,8;sides,3,4,5;cw`; and perhaps `&p=16,20,2`: L2, L3 and the number of a pose; and
- * `&b=14,18,15,`: joint limits of legs 2 and 3; and `&m=design`, if a drag of the mechanism makes another one; and
- * `&e=-35,24`: from where the joint space is seen.
+ * `&b=14,18,15,`: joint limits of legs 2 and 3, and after two more commas of leg 1; `&h=27,16,20,2`: L1, L2, L3 and
+ * the number of the home pose; and `&m=design`, if a drag of the mechanism makes another one; and `&e=-35,24`: from
+ * where the joint space is seen.
  */
 
 import { FORMS, LENGTHS, formOf, isSix, numbersOf, triangleOf } from "./geometry.js";
 
 export const VIEWS = ["joint", "torus", "space"];
+const LEGS = ["l2", "l3", "l1"]; // as their limits are written
 export const MODES = ["move", "design"]; // what a drag of the mechanism does
 
 /** The geometry of its text, or null: lengths and orientation, or two triangles, with commas between their parts. */
@@ -43,9 +45,9 @@ export function stateOf(hash) {
   const geometry = geometryOf(given.get("g"));
   if (!geometry) return null;
   const view = VIEWS.includes(given.get("v")) ? given.get("v") : VIEWS[0];
-  const [at, limits] = [vectorOf(given.get("p")), limitsOf(given.get("b"))];
+  const [at, limits, home] = [vectorOf(given.get("p")), limitsOf(given.get("b")), homeOf(given.get("h"))];
   const mode = MODES.includes(given.get("m")) ? given.get("m") : MODES[0];
-  return { geometry, l1: given.get("l1") ?? "1", cusp: numberOf(given.get("c")), view, at, limits, mode, eye: given.get("e") };
+  return { geometry, l1: given.get("l1") ?? "1", cusp: numberOf(given.get("c")), view, at, limits, home, mode, eye: given.get("e") };
 }
 
 /** Why an address has no state, for the person who followed the link. */
@@ -58,10 +60,11 @@ export function faultOf(hash) {
   return `This link cannot be read: g=${given} has ${count} part${count === 1 ? "" : "s"}, but ${parts} are expected.${hint} The first example is shown.`;
 }
 
-export function hashOf({ geometry, l1, cusp, view, at, limits, mode, eye }) {
+export function hashOf({ geometry, l1, cusp, view, at, limits, home, mode, eye }) {
   const parts = [["g", geometryText(geometry)], ["l1", l1], ["c", letterOf(cusp)], ["v", view]];
   if (at) parts.push(["p", [at.l2, at.l3, at.pose + 1].join(",")]);
-  if (limits) parts.push(["b", ["l2", "l3"].flatMap((leg) => [limits[leg]?.min ?? "", limits[leg]?.max ?? ""]).join(",")]);
+  if (limits) parts.push(["b", LEGS.filter((leg) => leg !== "l1" || limits.l1).flatMap((leg) => [limits[leg]?.min ?? "", limits[leg]?.max ?? ""]).join(",")]);
+  if (home) parts.push(["h", [home.l1, home.l2, home.l3, home.pose + 1].join(",")]);
   if (mode !== MODES[0]) parts.push(["m", mode]);
   if (eye && view === "space") parts.push(["e", eye]);
   return `#${parts.map(([name, text]) => `${name}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%3B", ";")}`).join("&")}`;
@@ -79,11 +82,18 @@ function vectorOf(text) {
   return l2 && l3 ? { l2, l3, pose: Math.max(Math.trunc(Number(pose)) || 1, 1) - 1 } : null;
 }
 
-/** Joint limits `{l2: {min, max}, l3}` with the ends that are given; null if there are none. */
+/** A pose with its lengths; null if there is none. */
+function homeOf(text) {
+  const [l1, ...rest] = (text ?? "").split(",");
+  const at = vectorOf(rest.join(","));
+  return l1 && at ? { l1, ...at } : null;
+}
+
+/** Joint limits `{l2: {min, max}, l3, l1}` with the ends that are given; null if there are none. */
 export function limitsOf(text) {
   const ends = (text ?? "").split(",").map((end) => end.trim());
   const bounds = (k) => Object.fromEntries([["min", ends[k]], ["max", ends[k + 1]]].filter(([, end]) => end));
-  const legs = [["l2", bounds(0)], ["l3", bounds(2)]].filter(([, bound]) => Object.keys(bound).length > 0);
+  const legs = LEGS.map((leg, k) => [leg, bounds(2 * k)]).filter(([, bound]) => Object.keys(bound).length > 0);
   return legs.length > 0 ? Object.fromEntries(legs) : null;
 }
 
