@@ -334,16 +334,37 @@ class _Thresholds:
             if i == k or word not in (None, *self._changed):
                 return word
             if word is not None:
-                return Obstacle.UNDECIDED
+                return (
+                    word
+                    if word is Obstacle.OPPOSITE_SIGNS and signs[i] * signs[k] < 0
+                    else Obstacle.UNDECIDED
+                )
             return None if classes.root(i) == classes.root(k) else words[min(i, k), max(i, k)]
 
+        signs = [self._sign(place) for place in self.places]
         places = range(len(known))
         return tuple(tuple(entry(i, k) for k in places) for i in places), clear
 
+    def _sign(self, place: _Place) -> int:
+        """The sign of J at a pose, of all manipulators; 0 if it is not proved."""
+        if place.end is None or self._around is None:
+            return 0
+        return self._around.sign_near(place.end.pose)
+
+    @cached_property
+    def _around(self) -> Neighbours | None:
+        """All manipulators within the tolerance; None if there is none, or one of them is flat."""
+        if self.tolerance is None:
+            return None
+        most = max(place.lengths[self.slice_map.fixed_leg - 1] for place in self.places)
+        most = max(most, self.span[1] if self.span else most) * self.slice_map.scale
+        return Neighbours.of(self.manipulator, self.slice_map, self.tolerance, most)
+
     @property
     def _changed(self) -> tuple[Obstacle, ...]:
-        """What is proved of the given manipulator, and not of others."""
-        return () if self.tolerance is None else tuple(x for x in Obstacle if x is not Obstacle.UNDECIDED)
+        """What is proved of the given manipulator, and not of others: all but what lengths alone tell."""
+        kept = Obstacle.UNDECIDED, Obstacle.OUTSIDE_LIMITS
+        return () if self.tolerance is None else tuple(x for x in Obstacle if x not in kept)
 
     def _path(self, i: int, k: int) -> Path | NoPath | None:
         """The widest path that is found between two poses; None if none is proved."""
@@ -371,9 +392,7 @@ class _Thresholds:
             return False
         if self.tolerance is None:
             return True
-        most = max(place.lengths[self.slice_map.fixed_leg - 1] for place in self.places)
-        most = max(most, self.span[1] if self.span else most) * self.slice_map.scale
-        around = Neighbours.of(self.manipulator, self.slice_map, self.tolerance, most)
+        around = self._around
         return around is not None and around.joins(found.route, found.sign, self.bounds, self.clearance)
 
 

@@ -100,6 +100,8 @@ class AssemblyModes:
             changes the mode and was found, in degrees; None if there is none.
         by_regions: whether it is impossible since the poses that keep the clearance are in regions each of
             which maps one to one.
+        bound: where a clearance leaves it undecided: one that no path keeps, by proof, in degrees; None if
+            none is proved.
 
     >>> from rpr_solver import EXAMPLES, assembly_modes
     >>> answer = assembly_modes(EXAMPLES["innocenti"], 27)
@@ -124,6 +126,7 @@ class AssemblyModes:
     tolerance: tuple[Fraction, ...] | None = None
     best: Fraction | None = None
     by_regions: bool = False
+    bound: Fraction | None = None
 
     def __repr__(self) -> str:
         low, high = self.span
@@ -143,6 +146,7 @@ class AssemblyModes:
             "regions": None if self.regions is None else [region.to_json() for region in self.regions],
             "reason": self.reason,
             **({} if self.best is None else {"best_clearance": exact_str(self.best)}),
+            **({} if self.bound is None else {"clearance_bound": exact_str(self.bound)}),
             "certificate": {"method": self._method(), "pairs": self.pairs},
         }
 
@@ -308,38 +312,74 @@ class _Question:
             around = Neighbours.of(self.manipulator, self.slice_map, self.tolerance, most)
             if around is None:
                 return self._answer(Change.UNDECIDED, reason=TOO_WIDE)
-        best: Fraction | None = None
-        if plain.change is not Change.IMPOSSIBLE:
-            for path in self._wide(plain.witness):
-                assert path.clearance is not None
-                own = path.clearance.proved
-                best = own if best is None else max(own, best)
-                if own >= self.clearance and (around is None or self._holds(around, path)):
-                    return self._possible(path)
-        if around is not None and self.reached[1] is not None:
-            proof = self._folds(self.slice_map, around.around)
-            if not proof.left:
-                return self._answer(Change.IMPOSSIBLE, pairs=proof.tests)
-        if (tests := self._regions_apart(around)) is not None:
+        tried: list[Path] = []
+        can_change = plain.change is not Change.IMPOSSIBLE
+        if can_change and (path := self._held(around, self._between_wide(self._sampled()), tried)):
+            return self._possible(path)
+        if not can_change and around is not None and self.reached[1] is not None:
+            tests = around.sum_over(self._folds_apart)
+            if tests is not None:
+                return self._answer(Change.IMPOSSIBLE, pairs=tests)
+        if (tests := self._regions_apart(around, self.clearance)) is not None:
             return self._answer(Change.IMPOSSIBLE, pairs=tests, by_regions=True)
-        return self._answer(Change.UNDECIDED, reason=self._why_open(plain, best), best=best)
+        if can_change and (path := self._held(around, self._wide_loops(plain.witness), tried)):
+            return self._possible(path)
+        best = max((_proved(path) for path in tried), default=None)
+        bound = self._bound(best) if can_change else None
+        return self._answer(
+            Change.UNDECIDED, reason=self._why_open(plain, best, bound), best=best, bound=bound
+        )
 
-    def _regions_apart(self, around: Neighbours | None) -> int | None:
-        """The number of pairs of boxes that prove, in a slice, that no path keeps the clearance; None if that
-        is not proved."""
+    def _held(self, around: Neighbours | None, paths: Iterable[Path], tried: list[Path]) -> Path | None:
+        """The first of some paths that change the mode that keeps the thresholds, with its clearance; None if
+        none does. Paths that were tried are put in the list."""
+        for path in map(with_clearance, paths):
+            tried.append(path)
+            if _proved(path) >= self.clearance and (around is None or self._holds(around, path)):
+                return path
+        return None
+
+    def _folds_apart(self, some: Neighbours) -> int | None:
+        """The number of pairs of boxes that prove that no folds of a joint vector are in the way; None if
+        they do not."""
+        proof = self._folds(self.slice_map, some.around)
+        return None if proof.left else proof.tests
+
+    def _regions_apart(self, around: Neighbours | None, clearance: Fraction) -> int | None:
+        """The number of pairs of boxes that prove that no path keeps a clearance; None if they do not."""
         low, high = self.reached
-        if low != high or not self.clearance:
+        if high is None or not clearance:
             return None
-        length = low * self.slice_map.scale
-        others = None if around is None else around.around
-        model = FoldBoxes.of(self.slice_map, self.bounds, length, others)
-        return WideRegions(model, model.slab(length, length), self.clearance).tests_apart()
+        middle = (low + high) / 2
+        if low < high and self._with_regions(None, (middle, middle), clearance) is None:
+            return None  # what a slice does not show is not shown of a range
+
+        def apart(some: Neighbours | None) -> int | None:
+            return self._with_regions(some, (low, high), clearance)
+
+        tests = apart(None)
+        return tests if around is None or tests is None else around.sum_over(apart)
+
+    def _with_regions(self, some: Neighbours | None, span: Span, clearance: Fraction) -> int | None:
+        first, last = (length * self.slice_map.scale for length in span)
+        model = FoldBoxes.of(self.slice_map, self.bounds, last, None if some is None else some.around)
+        regions = WideRegions.of(model, (first, last), clearance)
+        return None if regions is None else regions.tests_apart(is_brief=some is not None and some.is_part)
+
+    def _bound(self, best: Fraction | None) -> Fraction | None:
+        """A clearance that no path of a slice keeps, greater than what is asked for; None if none is
+        proved."""
+        least = max(self.clearance, best or Fraction(0))
+        if self.reached[0] != self.reached[1] or not self.clearance:
+            return None
+        tried = (rounded_near(least * share, 3) for share in _MORE)
+        return next((x for x in tried if self._with_regions(None, self.looked_at, x) is not None), None)
 
     def _holds(self, around: Neighbours, path: Path) -> bool:
         """Whether a path changes the mode of all manipulators, with the clearance that is asked for."""
         return around.keeps(path.route, path.sign, self.bounds, self.clearance)
 
-    def _why_open(self, plain: AssemblyModes, best: Fraction | None) -> str:
+    def _why_open(self, plain: AssemblyModes, best: Fraction | None, bound: Fraction | None) -> str:
         if plain.change is Change.IMPOSSIBLE:
             return "the given lengths do not allow a change; of others within the tolerance it is not proved"
         if best is None:
@@ -347,14 +387,15 @@ class _Question:
         widest = f"the widest path that was found keeps {exact_str(best)} degrees"
         if best >= self.clearance:
             return f"{widest}, but that others within the tolerance can follow one is not proved"
-        return f"{widest}, and that none keeps more is not proved"
+        if bound is None:
+            return f"{widest}, and that none keeps more is not proved"
+        return f"{widest}; none keeps {exact_str(bound)}, and that none keeps what is asked is not proved"
 
-    def _wide(self, known: Path | None) -> Iterator[Path]:
-        """Paths that change the mode, with their clearances, wide ones first."""
-        yield from map(with_clearance, self._between_wide(self._sampled()))
+    def _wide_loops(self, known: Path | None) -> Iterator[Path]:
+        """Loops that change the mode, wide ones first."""
         yield from islice(self._loops(self._sampled(), clearance=BEST), _MOST_WIDE)
         if known is not None:
-            yield with_clearance(known)
+            yield known
 
     def _between_wide(self, lengths: Iterable[Fraction]) -> Iterator[Path]:
         """Paths between poses that a grid suggests, each in a slice."""
@@ -482,8 +523,16 @@ class _Question:
 
 _MOST_WIDE = 8
 """Wide loops that are tried, half a second each."""
+_MORE = tuple(1 + Fraction(k, 20) for k in (1, 3, 8, 20))
+"""Times what is asked for, clearances that may be excluded."""
 _MOST_PATHS, _FEWEST = 6, 4
 """Paths that are tried; poses of a joint vector, of which two have one sign of J."""
+
+
+def _proved(path: Path) -> Fraction:
+    """The clearance of a path that has one."""
+    assert path.clearance is not None
+    return path.clearance.proved
 
 
 def _nearest_pose(table: PoseTable, leg: int, spot: tuple[float, float]) -> int:
@@ -558,6 +607,6 @@ def check(
         tolerance=tolerance,
         with_regions=False,
     ).to_json()
-    names = ("change", "witness", "reason", "best_clearance", "certificate")
+    names = ("change", "witness", "reason", "best_clearance", "clearance_bound", "certificate")
     part = {name: found[name] for name in names if name in found}
     return replace(report, mode_change=part)

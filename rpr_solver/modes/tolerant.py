@@ -4,7 +4,8 @@ A path that changes the assembly mode of the given manipulator is, in its angles
 On it J keeps its sign for all of them, which boxes prove. At its end a neighbour has other leg lengths than
 at its start, but a pose with those is near by: with Y near the inverse of the derivative of both legs, the
 map x ↦ x − Y (legs at x − legs at the start) takes a box round the end into itself for every manipulator
-(mathematics.md#zeros-in-boxes). That box has J ≠ 0 as well, so that each manipulator goes on to that pose.
+(mathematics.md#zeros-in-boxes). That box has J ≠ 0 as well, so that each manipulator goes on to that pose
+(mathematics.md#paths-of-neighbours).
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.corridors import Corridors
 from rpr_solver.paths.pose_boxes import LegsInBalls, PoseBoxes, unit_of
+from rpr_solver.paths.pose_grid import degrees_of
 from rpr_solver.paths.proofs import NO_BOUNDS
 from rpr_solver.paths.routes import EndPose, Route
 from rpr_solver.paths.widest import on_arc
@@ -80,12 +82,14 @@ class Neighbours:
         slice_map: of it and its fixed leg.
         unit: of scaled lengths.
         lengths: the least and the greatest value of each of its lengths, in the user's unit.
+        is_part: whether these are a part of what is asked for.
     """
 
     manipulator: Manipulator
     slice_map: SliceMap
     unit: Fraction
     lengths: tuple[tuple[Fraction, Fraction], ...]
+    is_part: bool = False
 
     @classmethod
     def of(
@@ -108,7 +112,20 @@ class Neighbours:
             for low, high in self.lengths
         ]
         for lengths in product(*halves):
-            yield replace(self, lengths=lengths)
+            yield replace(self, lengths=lengths, is_part=True)
+
+    def sum_over(self, proof: Callable[[Neighbours], int | None]) -> int | None:
+        """The number of steps of a proof for all of them together, or for each part; None if it fails."""
+        tests = proof(self)
+        if tests is not None:
+            return tests
+        tests = 0
+        for part in self.parts():
+            own = proof(part)
+            if own is None:
+                return None
+            tests += own
+        return tests
 
     @cached_property
     def legs(self) -> LegsInBalls:
@@ -158,6 +175,26 @@ class Neighbours:
 
         with np.errstate(all="ignore"):  # what is no number proves nothing
             return holds(self) or all(map(holds, self.parts()))
+
+    def sign_near(self, pose: EndPose) -> int:
+        """The sign of J that all have at their poses with the legs of a pose of the given one, near to it; 0
+        if that is not proved."""
+        spot = np.array([*degrees_of(pose), double(pose.legs[0] / self.unit)])
+
+        def sign(some: Neighbours) -> int:
+            if (found := some._pose_near(pose, spot)) is None:
+                return 0
+            centre, reach = found
+            away = np.array([reach, reach, 0.0])
+            own = some._poses((centre - away)[None], (centre + away)[None])
+            value = own.over(*own.singularity)
+            return int(np.sign(value.mid[0])) if value.excludes_zero[0] else 0
+
+        with np.errstate(all="ignore"):  # what is no number proves nothing
+            if together := sign(self):
+                return together
+            signs = set(map(sign, self.parts()))
+        return signs.pop() if len(signs) == 1 else 0
 
     def _joins(
         self,

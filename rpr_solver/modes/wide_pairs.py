@@ -20,7 +20,7 @@ from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.pose_grid import SliceGrid
 from rpr_solver.paths.proofs import NO_BOUNDS
-from rpr_solver.paths.singular_field import SingularField, leg_lengths
+from rpr_solver.paths.singular_field import SingularField, followed, leg_lengths
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,10 +31,14 @@ if TYPE_CHECKING:
 _PARTS = 180
 _LEVELS = 14
 """Halvings of the interval of levels, which is then far narrower than the grid."""
-_CELLS = 150
-"""Leg lengths are about the same in one of so many parts of their range."""
-_APART = 6
+_CELLS = 40
+"""Poses from which others of the same legs may be found have legs in one of so many parts of their range."""
+_EVERY = 2
+"""Of the nodes in a row, so many have one of which other poses are sought."""
+_APART = 3
 """Nodes between two poses, at least, that are told apart."""
+_MOST = 200_000
+"""Trials to find another pose."""
 _DIGITS = 8
 
 Spots = tuple[tuple[float, float], tuple[float, float]]
@@ -48,49 +52,74 @@ def wide_pairs(
     it; for a scaled length of the fixed leg, within limits."""
     grid = SliceGrid(SingularField.of(slice_map, length, 1), _PARTS)
     rooms, unit = grid.rooms, double(grid.field.unit / slice_map.scale)
+    spots = grid.nodes.reshape(-1, 2)
     with np.errstate(all="ignore"):  # a leg of length 0 has no derivative, which is not used
-        legs = leg_lengths(grid.field, grid.nodes.reshape(-1, 2)).reshape(_PARTS, _PARTS, 2)
-    inside = np.ones(rooms.shape, dtype=bool)
+        legs = leg_lengths(grid.field, spots)
+    inside = np.ones(len(spots), dtype=bool)
     for k, leg in enumerate(free_legs(slice_map.fixed_leg)):
         least, most = bounds.get(leg, NO_BOUNDS)
-        own_lengths = legs[..., k] * unit
+        own_lengths = legs[:, k] * unit
         inside &= own_lengths > (0 if least is None else double(least))
         inside &= own_lengths < (np.inf if most is None else double(most))
-    cells = (legs / legs.max() * _CELLS).astype(np.int64)
     for sign in (1, -1):
-        own = np.where(inside, rooms * sign, -1.0)
-        low, high, best = 0.0, float(own.max()), None
-        # Invariant: ``best`` is what is found at the level ``low``, None if nothing is yet known.
-        # It ends after so many halvings.
-        for _ in range(_LEVELS if high > 0 else 0):
+        own = np.where(inside.reshape(rooms.shape), rooms * sign, -1.0)
+        first, second, others = _pairs(grid, legs, own)
+        if not len(first):
+            continue
+        low, high = 0.0, float(own.max())
+        best = np.zeros(0, dtype=np.int64)
+        # Invariant: ``best`` are the pairs in one component at the level ``low``, none if nothing is yet
+        # known. It ends after so many halvings.
+        for _ in range(_LEVELS):
             level = (low + high) / 2
-            found = _pair(own >= level, own, cells)
-            low, high, best = (level, high, found) if found else (low, level, best)
-        if best is not None:
-            places = [np.unravel_index(node, rooms.shape) for node in best]
-            one, other = (grid.nodes[place] for place in places)
-            joint = [rounded_near(Fraction(float(x) * unit), _DIGITS) for x in legs[places[0]]]
-            yield (joint[0], joint[1]), (tuple(one.tolist()), tuple(other.tolist()))
+            labels = components(own >= level).ravel()
+            found = np.flatnonzero((labels[first] >= 0) & (labels[first] == labels[second]))
+            low, high, best = (level, high, found) if len(found) else (low, level, best)
+        if len(best):
+            room = np.minimum(own.ravel()[first[best]], own.ravel()[second[best]])
+            widest = best[room.argmax()]
+            joint = [rounded_near(Fraction(float(x) * unit), _DIGITS) for x in legs[first[widest]]]
+            yield (joint[0], joint[1]), (_spot(spots[first[widest]]), _spot(others[widest]))
 
 
-def _pair(allowed: NDArray[np.bool_], rooms: Doubles, cells: Numbers) -> tuple[int, int] | None:
-    """Two nodes of one component of those that are allowed, far apart, whose legs are in one cell."""
-    labels = components(allowed).ravel()
-    nodes = np.flatnonzero(labels >= 0)
-    flat = cells.reshape(-1, 2)[nodes]
-    keys = (labels[nodes] * (_CELLS + 1) + flat[:, 0]) * (_CELLS + 1) + flat[:, 1]
-    order = np.lexsort((-rooms.ravel()[nodes], keys))
-    nodes, keys = nodes[order], keys[order]
-    _, starts = np.unique(keys, return_index=True)
-    first = nodes[np.repeat(starts, np.diff(np.append(starts, len(keys))))]
-    size = allowed.shape[0]
-    steps = [abs(x - y) for x, y in zip(np.divmod(first, size), np.divmod(nodes, size), strict=True)]
-    far = np.maximum(*(np.minimum(step, size - step) for step in steps)) >= _APART
-    if not far.any():
-        return None
-    least = np.minimum(rooms.ravel()[first], rooms.ravel()[nodes])
-    best = int(np.where(far, least, -np.inf).argmax())
-    return int(first[best]), int(nodes[best])
+def _spot(spot: Doubles) -> tuple[float, float]:
+    return float(spot[0]), float(spot[1])
+
+
+def _pairs(grid: SliceGrid, legs: Doubles, own: Doubles) -> tuple[Numbers, Numbers, Doubles]:
+    """Nodes, other poses with the legs of each, and the nodes nearest to those: first nodes, nodes of the
+    others, and the others; found by Newton's method from nodes with about the same legs."""
+    size, spots = grid.parts, grid.nodes.reshape(-1, 2)
+    allowed = np.flatnonzero((own > 0).ravel())
+    cells = (legs[allowed] / legs.max() * _CELLS).astype(np.int64)
+    keys = cells[:, 0] * (_CELLS + 1) + cells[:, 1]
+    order = np.argsort(keys, kind="stable")
+    allowed, keys = allowed[order], keys[order]
+    firsts = np.flatnonzero((allowed // size % _EVERY == 0) & (allowed % size % _EVERY == 0))
+    starts, stops = (np.searchsorted(keys, keys[firsts], side) for side in ("left", "right"))
+    counts = stops - starts
+    # each first node with all nodes of its cell
+    owner = np.repeat(np.arange(len(firsts)), counts)
+    place = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + starts[owner]
+    first, second = allowed[firsts[owner]], allowed[place]
+    far = _distance(first, second, size) >= _APART
+    first, second = first[far], second[far]
+    step = len(first) // _MOST + 1
+    first, second = first[::step], second[::step]
+    others = followed(grid.field, spots[second], legs[first])
+    known = np.isfinite(others).all(axis=1)
+    first, others = first[known], others[known]
+    nodes = np.rint(others / grid.step).astype(np.int64) % size
+    second = nodes[:, 0] * size + nodes[:, 1]
+    far = _distance(first, second, size) >= _APART
+    return first[far], second[far], others[far]
+
+
+def _distance(first: Numbers, second: Numbers, size: int) -> Numbers:
+    """How many steps nodes are apart, in the direction in which these are more."""
+    steps = [abs(x - y) for x, y in zip(np.divmod(first, size), np.divmod(second, size), strict=True)]
+    found: Numbers = np.maximum(*(np.minimum(step, size - step) for step in steps))
+    return found
 
 
 def components(allowed: NDArray[np.bool_], *, diagonal: bool = False) -> Numbers:

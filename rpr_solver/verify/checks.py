@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from itertools import groupby, pairwise
-from typing import Any
+from types import MappingProxyType
 
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.censuses import End, Run, check_ignored, degenerate, ignored_window, is_text_of
@@ -34,14 +34,13 @@ from rpr_solver.verify.tables import Cusps, is_sorted
 from rpr_solver.verify.work import Work
 
 _MARGIN = ("verdict", "tolerance", "reason", "validity", "first_order", "counterexample", "certificate")
+_MODES = "mode_change"
+_WANTED = {"required": "possible", "excluded": "impossible"}
+"""What a requirement says of changes of assembly mode, and the answer that satisfies it."""
 
 
-def _of_modes(_value: object, at: str) -> Any:
-    raise refusal(at, "is not verified: verify the path of its witness, and a report without it")
-
-
-def requirement_schema(leg: Leg) -> Read:
-    """The members of a requirement."""
+def requirement_schema(leg: Leg, more: Mapping[str, Read] = MappingProxyType({})) -> Read:
+    """The members of a requirement on numbers of cusps, which may have more."""
     limit = record({"min": nothing_or(NOT_NEGATIVE), "max": nothing_or(NOT_NEGATIVE)})
     return record(
         {
@@ -53,10 +52,22 @@ def requirement_schema(leg: Leg) -> Read:
         },
         {
             "limits": nothing_or(record({}, dict.fromkeys(leg.free, limit))),
-            "mode_change": _of_modes,
-            "clearance": _of_modes,
             "ignore_windows": POSITIVE,
+            **more,
         },
+    )
+
+
+def _mode_change() -> Read:
+    """The members of what is said of changes of assembly mode."""
+    return record(
+        {
+            "change": word("possible", "impossible", "undecided"),
+            "witness": anything,
+            "reason": nothing_or(text()),
+            "certificate": anything,
+        },
+        {"best_clearance": POSITIVE, "clearance_bound": POSITIVE},
     )
 
 
@@ -67,7 +78,7 @@ def check_schema(leg: Leg) -> Read:
     return record(
         {
             **leg.head,
-            "requirement": requirement_schema(leg),
+            "requirement": requirement_schema(leg, {_MODES: word(*_WANTED), "clearance": POSITIVE}),
             "passed": truth,
             "max_cusps_found": count(0, MOST_CUSPS),
             "min_cusps_found": count(0, MOST_CUSPS),
@@ -77,7 +88,7 @@ def check_schema(leg: Leg) -> Read:
         },
         {
             "margin": record({}, dict.fromkeys(_MARGIN, anything)),
-            "mode_change": _of_modes,
+            _MODES: _mode_change(),
             "ignored_windows": rows(ignored_window(), 0, 2000),
         },
     )
@@ -124,6 +135,8 @@ class _Report:
         self.narrow: Fraction | None = self.requirement.get("ignore_windows")
         if (self.narrow is None) == ("ignored_windows" in self.members):
             raise refusal("/ignored_windows", "goes with ignore_windows, or is missing")
+        if (_MODES in self.requirement) != (_MODES in self.members):
+            raise refusal(f"/{_MODES}", f"goes with {_MODES} of the requirement, or is missing")
         windows = [(row["from"], row["to"]) for row in self.members.get("ignored_windows", ())]
         self.windows = list(self._runs())
         self.ignored = {
@@ -146,7 +159,8 @@ class _Report:
         """All of them."""
         violations = self.members["violations"]
         progress(0, 2)
-        yield claim_by("/requirement", "a bound of the number of cusps", self._bounded)
+        if _MODES not in self.requirement or self._has_bounds:
+            yield claim_by("/requirement", "a bound of the number of cusps", self._bounded)
         yield claim_by("/intervals", "the intervals fit together, and the summary fits them", self._fit)
         yield claim_by(
             "/intervals", "the number of cusps changes between all intervals, and nowhere else", self._cut
@@ -165,15 +179,22 @@ class _Report:
         yield claim_by(
             "/degenerate", "what is degenerate in all slices", partial(degenerate, self.survey, listed)
         )
+        if _MODES in self.members:
+            claim, reason = "whether the assembly mode can change", "not verified; its path may be, alone"
+            yield open_claim(f"/{_MODES}", claim, reason)
         claim = "the requirement is met" if self.members["passed"] else "the requirement is not met"
         yield claim_by("/passed", claim, self._passed)
         if "margin" in self.members:
             yield open_claim("/margin", "about all geometries within a tolerance", "it is not verified")
         progress(2, 2)
 
+    @property
+    def _has_bounds(self) -> bool:
+        return any(self.requirement[name] is not None for name in ("min_cusps", "max_cusps"))
+
     def _bounded(self) -> str:
         least, most = self.requirement["min_cusps"], self.requirement["max_cusps"]
-        demand(least is not None or most is not None, "it bounds nothing")
+        demand(self._has_bounds, "it bounds nothing")
         return demand(least is None or most is None or least <= most, "no number is in it", "as printed")
 
     def _fit(self) -> str:
@@ -265,11 +286,21 @@ class _Report:
         )
         return "they are found anew, in boxes that cover all poses"
 
+    @property
+    def _is_mode_wanted(self) -> bool:
+        """Whether what is said of changes of assembly mode is what is required."""
+        if _MODES not in self.members:
+            return True
+        return bool(self.members[_MODES]["change"] == _WANTED[self.requirement[_MODES]])
+
     def _passed(self) -> str:
         refused = self.requirement["degenerate"] == "refused" and bool(self.members["degenerate"])
         margin = self.members.get("margin")
-        fits = not self.violating and not refused and (margin is None or margin.get("verdict") == "proved")
+        keeps = not self.violating and not refused
+        fits = keeps and (margin is None or margin.get("verdict") == "proved") and self._is_mode_wanted
         demand(self.members["passed"] is fits, "it does not follow from the intervals")
+        if _MODES in self.members and keeps:
+            raise Open("what is said of changes of assembly mode is not verified")
         if margin is not None and not self.violating:
             raise Open("what is said of other geometries is not verified")
         self._cut()

@@ -90,6 +90,7 @@ _BEST = (
     "If a clearance or a tolerance leaves it undecided: the greatest clearance of a path that was found to "
     "change the mode, in degrees."
 )
+_BOUND = "If a clearance leaves it undecided: one that no path keeps, by proof, in degrees, if one was found."
 
 
 class ModeChange(Detail):
@@ -99,6 +100,7 @@ class ModeChange(Detail):
     witness: ModeWitness | None = Field(description="null unless it is possible.")
     reason: str | None = Field(description="Why it is undecided; null if it is not.")
     best_clearance: Decimal | None = optional(_BEST)
+    clearance_bound: Decimal | None = optional(_BOUND)
     certificate: ModeCertificate
 
 
@@ -124,6 +126,7 @@ class AssemblyModes(DocumentHead):
     regions: list[JoinedRegion] | None
     reason: str | None
     best_clearance: Decimal | None = optional(_BEST)
+    clearance_bound: Decimal | None = optional(_BOUND)
     certificate: ModeCertificate
 
 

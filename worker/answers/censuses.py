@@ -140,6 +140,8 @@ CENSUS = Kind("census", "ce-", census, _census_cost, derive=derive, measure=_mea
 _CENSUSES = 2
 """Censuses and slices of other geometries, in the search for a counter-example."""
 _MARGIN_BOXES_SECONDS = 0.8
+_MODES_SECONDS = 1.7
+"""Of a change of assembly mode in a range, possible (0.6) or excluded (4 to 5)."""
 
 
 def margin(request: JobRequest, _store: Store, progress: Progress) -> Document:
@@ -244,12 +246,19 @@ def within_tolerance(report: Document, found: Document | None, tolerance: Mappin
 def _check_cost(size: Sizes) -> float:
     """Measured within a limit of 10^390 for an open range: 7 s more."""
     limits = 0.005 * size.spread * size.limited
-    return all_events(size) + limits + (_margin_cost(size) if size.censuses else 0)
+    margin_of_counts = _margin_cost(size) if size.censuses else 0
+    return all_events(size) + limits + _MODES_SECONDS * size.modes + margin_of_counts
 
 
 def _measure_check(content: Content, size: Sizes) -> Sizes:
-    limited = bool(content["requirement"].get("limits"))
-    return replace(size, limited=int(limited), censuses=_CENSUSES if "tolerance" in content else 0)
+    wish = content["requirement"]
+    has_counts = any(wish.get(name) is not None for name in ("max_cusps", "min_cusps"))
+    return replace(
+        size,
+        limited=int(bool(wish.get("limits"))),
+        censuses=_CENSUSES if "tolerance" in content and has_counts else 0,
+        modes=int(wish.get("mode_change") is not None),
+    )
 
 
 def _measure_margin(content: Content, size: Sizes) -> Sizes:

@@ -76,6 +76,7 @@ class Sizes:
         deviations: between how many samples of a path it is bounded how far its legs deviate.
         censuses: how many censuses the answer may need beside its own computation.
         limited: how many slices are subdivided within joint limits.
+        modes: how often it is decided, beside other work, whether the assembly mode can change.
         nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
             quite.
         alikeness: bits by which they nearly are congruent, or similar in one sense, corner by corner, but not
@@ -105,6 +106,7 @@ class Sizes:
     is_thin: bool = False
     limit: float = inf
     fineness: int = 0
+    modes: int = 0
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 from random import Random
 from typing import Any
 
@@ -17,6 +18,7 @@ from rpr_solver import (
     Requirement,
     assembly_modes,
     check,
+    exact_str,
     pose_connections,
     verify_document,
 )
@@ -27,27 +29,35 @@ from rpr_solver.modes.wide_pairs import wide_pairs
 from rpr_solver.paths.clearances import clearance_in_balls
 from tests.support.motions import Mover, angles_of, apart
 from tests.support.oracle import free_legs_of, singularity
+from tests.support.sampling import long
 from tests.support.width_grid import WidthGrid
 
 FIRST = EXAMPLES["innocenti"]
 ROUNDED = Manipulator(a2x=500, a3x=250, a3y="433.0127019", d1=200, d2=200, d3=200)
 
 
+@cache
 def asked(length: Any, **thresholds: Any) -> Any:
     return assembly_modes(FIRST, length, with_regions=False, **thresholds)
 
 
+@pytest.mark.long
 def test_every_witness_has_its_clearance() -> None:
     witness = asked(27).witness
-    grid = WidthGrid(FIRST, 1, 27.0)
-    places = [np.degrees(angles_of(sample)) for sample in witness.samples]
+    grid = WidthGrid(FIRST, 1, 27.0, 120)
+    places = [np.degrees(angles_of(sample)) for sample in witness.samples[::10]]
     seen = min(grid.distance((alpha, theta)) for alpha, theta in places)
     assert 13 < witness.clearance.proved < seen + 0.5
     assert clearance_in_balls(witness.route) <= witness.clearance.proved
     assert asked(27).to_json()["witness"]["path"]["clearance"]["asked"] == "0"
+
+
+@pytest.mark.long
+def test_the_path_of_a_witness_is_not_refused() -> None:
     assert verify_document(asked(27).to_json()["witness"]["path"]).verdict != "refused"
 
 
+@pytest.mark.long
 def test_a_machine_that_was_rounded_changes_its_mode_by_a_hair() -> None:
     span, limits = (150, 450), {"l2": (150, 450), "l3": (150, 450)}
     answer = assembly_modes(ROUNDED, between=span, limits=limits, with_regions=False)
@@ -64,7 +74,13 @@ def test_a_machine_that_was_rounded_changes_its_mode_by_a_hair() -> None:
 
 @pytest.mark.parametrize(
     ("length", "clearance", "change"),
-    [(27, 1, "possible"), (27, 43, "possible"), (27, 47, "impossible"), ("0.2", 3, "impossible")],
+    [
+        (27, 43, "possible"),
+        long(27, 60, "impossible"),
+        long(27, 1, "possible"),
+        long(27, 47, "impossible"),
+        long("0.2", 3, "impossible"),
+    ],
 )
 def test_a_clearance_is_kept_or_excluded(length: Any, clearance: int, change: str) -> None:
     answer = asked(length, clearance=clearance)
@@ -124,6 +140,7 @@ def test_a_tolerance_that_is_too_wide_is_named() -> None:
     assert Neighbours.of(FIRST, SliceMap.of(FIRST, 1), (Fraction(20),) * 6, Fraction(27)) is None
 
 
+@pytest.mark.long
 def test_a_looser_threshold_never_loses_a_yes() -> None:
     clearances, tolerances = (None, 2, 43, 90), (None, "0.02")
     found = [[asked(27, clearance=c, tolerance=t).change for c in clearances] for t in tolerances]
@@ -136,18 +153,40 @@ def test_a_looser_threshold_never_loses_a_yes() -> None:
         assert excluded == sorted(excluded)
 
 
-def test_pairs_that_a_grid_suggests_do_not_depend_on_what_is_asked() -> None:
+def test_pairs_that_a_grid_suggests_are_poses_of_one_joint_vector() -> None:
     slice_map = SliceMap.of(FIRST, 1)
-    pairs = list(wide_pairs(slice_map, 27 * Fraction(slice_map.scale), {}))
-    assert len(pairs) == 2
-    limited = list(wide_pairs(slice_map, 27 * Fraction(slice_map.scale), {2: (None, Fraction(20))}))
-    assert all(joint[0] < 20 for joint, _ in limited)
+    mover = Mover.of(FIRST, 1)
+    for bounds, count in (({}, 2), ({2: (None, Fraction(20))}, 1)):
+        pairs = list(wide_pairs(slice_map, 27 * Fraction(slice_map.scale), bounds))
+        assert len(pairs) >= count
+        for joint, spots in pairs:
+            assert joint[0] < bounds.get(2, (None, 99))[1]
+            places = [tuple(np.radians(spot)) for spot in spots]
+            for place in places:
+                found = mover.legs(*place, 27.0)[1:]
+                assert max(abs(x - float(y)) for x, y in zip(found, joint, strict=True)) < 1e-6
+            assert apart(*places) > 0.1
+
+
+def test_a_wide_change_is_found_where_the_grid_has_neighbours_with_like_legs() -> None:
+    machine = Manipulator(a2x="7.4", a3x=10, a3y="3.5", d1=8, d2=40, d3="38.24")
+    answer = assembly_modes(machine, "3.7", clearance=35, with_regions=False)
+    assert answer.change is Change.POSSIBLE
+
+
+@pytest.mark.long
+def test_a_clearance_that_none_keeps_is_told_where_it_is_open() -> None:
+    answer = asked(27, clearance=46)
+    assert answer.change is Change.UNDECIDED
+    assert answer.best < 46 < answer.bound
+    assert asked(27, clearance=answer.bound).change is Change.IMPOSSIBLE
+    assert answer.to_json()["clearance_bound"] == exact_str(answer.bound)
 
 
 @pytest.mark.parametrize(
     ("thresholds", "groups"),
     [
-        ({"clearance": 1}, ((1, 3), (2,), (4,))),
+        long({"clearance": 1}, ((1, 3), (2,), (4,))),
         ({"clearance": 25}, ((1,), (2,), (3,), (4,))),
         ({"clearance": 1, "tolerance": "0.001"}, ((1, 3), (2,), (4,))),
         ({"tolerance": 1}, ((1,), (2,), (3,), (4,))),
@@ -160,6 +199,8 @@ def test_connections_keep_thresholds(thresholds: dict[str, Any], groups: Any) ->
     [path] = document["paths"]
     assert path["poses"] == [1, 3]
     assert 8 < Fraction(path["clearance"]) < 9
+    is_loose = thresholds.get("tolerance") == 1
+    assert found.matrix[0][1] == ("undecided" if is_loose else "opposite-signs")
     word = found.matrix[0][2]
     assert word is None or word == ("too-narrow" if "tolerance" not in thresholds else "undecided")
 
@@ -171,8 +212,29 @@ def test_a_check_asks_for_a_change_with_thresholds() -> None:
     assert report
     assert report.to_json()["requirement"]["clearance"] == "0.5"
     assert Requirement.from_json(required.to_json()) == required
-    assert not check(FIRST, Requirement(**wish, mode_change="required", clearance=90), digits=15)  # type: ignore[arg-type]
-    assert not check(FIRST, Requirement(**wish, mode_change="excluded", clearance=1), digits=15)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("mode_change", "clearance", "passed"),
+    [("excluded", 1, False), long("required", 60, False), long("excluded", 60, True)],
+)
+def test_a_range_keeps_a_clearance_or_excludes_it(mode_change: Any, clearance: int, passed: bool) -> None:
+    wish = Requirement(start=20, stop=21, mode_change=mode_change, clearance=clearance)
+    assert check(FIRST, wish, digits=15).passed is passed
+
+
+@pytest.mark.parametrize("limits", [long(None), {"l2": (14, 16), "l3": (22, 24)}])
+def test_what_no_path_keeps_stays_so_for_neighbours(limits: Any) -> None:
+    tolerance = "0.01"
+    answer = assembly_modes(FIRST, 27, limits=limits, clearance=60, tolerance=tolerance, with_regions=False)
+    assert answer.change is Change.IMPOSSIBLE
+
+
+@pytest.mark.long
+def test_a_range_within_limits_has_no_change_for_neighbours() -> None:
+    limits = {"l2": (14, 16), "l3": (22, 24)}
+    answer = assembly_modes(FIRST, between=(26, 28), limits=limits, tolerance="0.01", with_regions=False)
+    assert answer.to_json()["certificate"]["method"] == "folds"
 
 
 @pytest.mark.parametrize(
@@ -180,7 +242,7 @@ def test_a_check_asks_for_a_change_with_thresholds() -> None:
     [
         (lambda: asked(27, clearance=0), "clearance"),
         (lambda: asked(27, tolerance=-1), "tolerance"),
-        (lambda: asked(27, tolerance={"x": 1}), "tolerance.x"),
+        (lambda: assembly_modes(FIRST, 27, tolerance={"x": 1}), "tolerance.x"),
         (lambda: pose_connections(FIRST, 27, 20, 20, clearance=-1), "clearance"),
         (lambda: Requirement(start=1, max_cusps=3, clearance=1), "requirement.clearance"),
         (lambda: check(FIRST, Requirement(start=1, stop=2, max_cusps=3), tolerance=1), "tolerance"),

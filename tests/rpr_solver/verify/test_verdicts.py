@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, Manipulator, Requirement, census, check, table_document
+from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement, census, check, table_document
 from rpr_solver.verify.claims import Verdict
 from rpr_solver.verify.documents import verify_document
 from tests.support.families import family
@@ -241,3 +241,40 @@ REPORTS: dict[str, Callable[[Document], object]] = {
 def test_a_false_report_is_refused(report: Document, name: str) -> None:
     assert report["violations"]
     assert verify_document(changed(report, REPORTS[name])).verdict is Verdict.REFUSED
+
+
+def _mode_required(document: Document) -> None:
+    """A report that requires a change of assembly mode, too, and has one."""
+    document["requirement"] |= {"mode_change": "required", "clearance": "0.5"}
+    names = ("witness", "reason", "certificate")
+    document["mode_change"] = {"change": "possible", **dict.fromkeys(names)}
+
+
+def _mode_alone(document: Document) -> None:
+    """A report that requires a change of assembly mode alone, and has one."""
+    _mode_required(document)
+    document["requirement"]["max_cusps"] = None
+    document.update(passed=True, violations=[])
+
+
+def test_that_the_mode_changes_is_open_beside_numbers_of_cusps(report: Document) -> None:
+    met = verify_document(changed(report, _mode_alone))
+    assert met.verdict is Verdict.NOT_VERIFIED
+    assert {x.at for x in met.claims if x.status != "proved"} == {"/mode_change", "/passed"}
+    failed = verify_document(changed(report, _mode_required))
+    assert {x.at for x in failed.claims if x.status != "proved"} == {"/mode_change"}
+
+
+@pytest.mark.parametrize("change", ["impossible", "undecided"])
+def test_a_report_does_not_pass_without_the_mode_it_asks_for(report: Document, change: str) -> None:
+    false = changed(report, _mode_alone)
+    false["mode_change"]["change"] = change
+    assert verify_document(false).verdict is Verdict.REFUSED
+
+
+@pytest.mark.parametrize("is_asked", [True, False])
+def test_what_is_said_of_modes_goes_with_what_is_asked(report: Document, is_asked: bool) -> None:
+    false = changed(report, _mode_required)
+    del (false if is_asked else false["requirement"])["mode_change"]
+    with pytest.raises(InputError, match="/mode_change"):
+        verify_document(false)

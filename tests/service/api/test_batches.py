@@ -132,6 +132,17 @@ def test_a_result_is_byte_for_byte_the_answer_to_the_question_alone(client: http
         assert line.partition(b'"result":')[2] == alone.content + b"}"
 
 
+def test_items_have_thresholds(client: httpx.Client) -> None:
+    asked = {"geometry": GEOMETRY, "l1": 27, "clearance": 25}
+    pairs = {**asked, "l2": "25.7", "l3": "9.2", "tolerance": "0.001"}
+    items = {"kind": "assembly-modes", "request": asked}, {"kind": "pose-connections", "request": pairs}
+    modes, joined = results(client, submitted(client, lines(*items), NDJSON))
+    assert modes["result"]["asked"]["clearance"] == "25"
+    assert modes["result"]["change"] == "possible"
+    assert joined["result"]["groups"] == [[1], [2], [3], [4]]
+    assert [path["poses"] for path in joined["result"]["paths"]] == [[1, 3]]
+
+
 def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
     flat = {**GEOMETRY, "d1": -1}
     items: list[Any] = [

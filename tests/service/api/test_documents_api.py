@@ -93,6 +93,15 @@ def test_the_picture_of_a_workspace_is_in_the_frame_of_the_points(api: httpx.Cli
     assert refused.json()["errors"][0]["field"] == "l1"
 
 
+def test_a_change_of_mode_keeps_thresholds(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": 27, "clearance": 0.5, "tolerance": "0.05"}
+    answer = api.post("/v1/assembly-modes", json=body, headers={"Prefer": "wait=60"}).json()
+    assert is_whole("AssemblyModes", answer)
+    assert (answer["change"], answer["asked"]["clearance"]) == ("possible", "0.5")
+    assert set(answer["asked"]["tolerance"].values()) == {"0.05"}
+    assert Fraction(answer["witness"]["path"]["clearance"]["proved"]) > 40
+
+
 def test_a_motion_within_limits_in_every_form(api: httpx.Client) -> None:
     motion = {"speed": 10, "acceleration": {"l2": 20, "l3": 30}}
     body = {"geometry": GEOMETRY, "l1": 27, "cusp": "d", "motion": motion, "sampling": {"chord": "0.5"}}

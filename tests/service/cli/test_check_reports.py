@@ -94,6 +94,21 @@ def test_numbers_are_readable_and_tell_narrow_windows_apart() -> None:
     assert "6 cusps at L2 = 10.905664," in Outcome("a", {**FAILED_REPORT, "violations": [example]}).message
 
 
+def test_junit_has_the_clearance_of_a_change_of_mode() -> None:
+    witness = {"l1": "27", "l2": "29", "l3": "29.8", "from": 4, "to": 3}
+    witness |= {"path": {"clearance": {"asked": "0.5", "proved": "43.976", "bound": None}}}
+    found = {"change": "possible", "witness": witness, "reason": None, "certificate": {}}
+    asked = {"mode_change": "required", "clearance": "0.5", "max_cusps": None, "min_cusps": None}
+    report = {**FAILED_REPORT, "violations": [], "mode_change": found}
+    for change, passed in (("required", True), ("excluded", False)):
+        requirement = {**FAILED_REPORT["requirement"], **asked, "mode_change": change}
+        outcome = Outcome("a.json", {**report, "passed": passed, "requirement": requirement})
+        suite = ElementTree.fromstring(junit_xml([outcome]))
+        assert len(list(suite.iter("failure"))) == (not passed)
+        text = ElementTree.tostring(suite, encoding="unicode")
+        assert "43.976" in text
+
+
 @given(st.fractions(0, 10**4), st.fractions(0, 10**4))
 def test_the_shown_ends_of_an_interval_show_its_width(a: Fraction, b: Fraction) -> None:
     low, high = sorted((exact_str(a), exact_str(b)), key=Fraction)
