@@ -898,7 +898,7 @@ def test_a_click_on_the_torus_shows_the_pose(base_url: str, open_page: Open) -> 
     assert dist(middle(spot), place) < 2
     side = page.locator("#slice-board .seam").first.bounding_box()
     page.mouse.move(side["x"] + side["width"] / 2, side["y"] + 40)
-    expect(page.locator("#tip")).to_contain_text("are one line: 180° is −180°")
+    expect(page.locator("#tip")).to_contain_text("180° is −180°")
 
 
 def test_the_selected_cusp_is_followed_to_its_end(base_url: str, open_page: Open) -> None:

@@ -129,6 +129,7 @@ def clicked(page: Any, place: list[float]) -> None:
     page.mouse.click(box["x"] + x, box["y"] + y)
 
 
+@pytest.mark.long
 def test_the_joint_space_is_turned_and_magnified(
     base_url: str, open_page: Open, open_space: Open, inspect: Inspect
 ) -> None:
@@ -241,6 +242,7 @@ def test_the_loop_and_joint_limits_are_drawn(open_space: Open) -> None:
     assert green > red + 30, "the machine is there"
 
 
+@pytest.mark.long
 def test_other_legs_have_slices_too(open_space: Open) -> None:
     page = open_space()
     page.get_by_role("group", name="Slices of leg").get_by_label("2").check()
@@ -265,6 +267,7 @@ def test_lines_are_drawn_without_webgl(open_space: Open, photograph: Inspect) ->
     expect(page.locator("#space-board")).to_have_attribute("data-eye", "-32,22")
 
 
+@pytest.mark.long
 def test_graphics_that_are_taken_away_come_back(open_space: Open) -> None:
     page = open_space()
     lose = """() => {
@@ -281,6 +284,7 @@ def test_graphics_that_are_taken_away_come_back(open_space: Open) -> None:
     assert len(colours) > 1000
 
 
+@pytest.mark.long
 def test_the_picture_is_saved(open_space: Open) -> None:
     page = open_space()
     open_tab(page, "Save")
@@ -313,6 +317,7 @@ PINCH = """async (board) => {
 }"""
 
 
+@pytest.mark.long
 def test_fingers_magnify_it_on_a_phone(open_space: Open, inspect: Inspect) -> None:
     page = open_space(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     page.locator("input[name=shown][value=slice]").check()
@@ -324,6 +329,7 @@ def test_fingers_magnify_it_on_a_phone(open_space: Open, inspect: Inspect) -> No
     expect(page.locator("#space-board")).to_have_attribute("data-eye", re.compile("^-37,22,2,"))
 
 
+@pytest.mark.long
 def test_a_machine_that_is_dragged_has_another_surface(open_space: Open) -> None:
     page = open_space()
     before = told(page, "box")

@@ -50,7 +50,7 @@ def made_up(counts: str, aspects: str = "", **more: Any) -> Mapping[str, Any]:
 
 def short(document: Mapping[str, Any], **asked: Any) -> float:
     """The shortfall in the range from 1 to 3."""
-    goal = Goal("least-change", Requirement(start=1, stop=3, min_cusps=0), Fraction(0), Constraints(**asked))
+    goal = Goal("least-change", Requirement(start=1, stop=3, min_cusps=0), Constraints(**asked))
     profile = Profile(Space.of(INNOCENTI, "5%"), INNOCENTI, document)
     assert is_met(profile, goal) == (shortfall(profile, goal) == 0)
     assert (cost(profile, goal, 0) >= 2) == (shortfall(profile, goal) > 0), "what misses them costs more"
@@ -75,7 +75,7 @@ def test_how_far_a_geometry_is_from_constraints() -> None:
 @pytest.mark.parametrize("objective", ["longest-range", "most-cusps"])
 def test_a_geometry_that_misses_constraints_is_worse_than_one_that_keeps_them(objective: str) -> None:
     wish = Requirement(start=1, stop=3, max_cusps=8)
-    goal = Goal(objective, wish, Fraction(0), Constraints("required"))
+    goal = Goal(objective, wish, Constraints("required"))
     space = Space.of(INNOCENTI, "5%")
     kept, missed = (cost(Profile(space, INNOCENTI, made_up(x)), goal, 0) for x in ("0920", "0000"))
     assert kept < missed
@@ -85,13 +85,13 @@ def test_a_geometry_that_misses_constraints_is_worse_than_one_that_keeps_them(ob
 
 def test_a_candidate_has_what_the_constraints_need() -> None:
     asked = Constraints("required", max_aspects=2)
-    document = document_of(INNOCENTI, Goal("least-change", WISH, Fraction(0), asked))
+    document = document_of(INNOCENTI, Goal("least-change", WISH, asked))
     table = census(INNOCENTI, start=20, stop=22, digits=15)
     assert document["slices"] == table.to_json()["intervals"]
     assert document["max_cusps_found"] == 0
     assert document["missed"] * 20.84 == pytest.approx(0.52440, abs=1e-4)
     wider = Requirement(start=20, stop=22, min_cusps=0, limits={"l2": (8, None)})
-    found = document_of(INNOCENTI, Goal("least-change", wider, Fraction(0), Constraints("required")))
+    found = document_of(INNOCENTI, Goal("least-change", wider, Constraints("required")))
     assert found["max_cusps_found"] > 0
     assert not {"missed", "slices"} & found.keys()
 

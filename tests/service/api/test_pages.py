@@ -28,7 +28,13 @@ SERVICE = "http://127.0.0.1:8000"
 TEXTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
 LONG = {
     *("docs/census.md", "docs/design.md", "docs/gate.md", "docs/margins.md", "docs/verify.md"),
-    *("docs/export.md", "docs/figures.md", "docs/paths.md", "docs/assembly-modes.md"),
+    *(
+        "docs/export.md",
+        "docs/figures.md",
+        "docs/paths.md",
+        "docs/assembly-modes.md",
+        "docs/drawing-to-controller.md",
+    ),
     "examples/README.md",
 }
 """Pages of which each time the cheapest block is run, and all of them with `--long`."""
