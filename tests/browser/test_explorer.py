@@ -782,6 +782,7 @@ def test_poses_merge_where_the_joint_vector_is_dragged(
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#play")).to_be_enabled()
     vector, visited = page.get_by_label(re.compile("^Joint vector")), page.locator("#visited")
+    page.wait_for_load_state("networkidle")
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.mouse.move(*middle(vector))

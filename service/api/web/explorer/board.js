@@ -19,6 +19,7 @@ export function makeBoard(id, title, isFree = false) {
     showInfobox: false,
     title,
     resize: { enabled: false }, // `bindSize` does
+    maxFrameRate: 1000, // browsers send moves once a picture; at fewer, the last move of a drag would be lost
     pan: { enabled: true, needTwoFingers: true, needShift: false },
     zoom: { enabled: true, wheel: false, needShift: false, pinch: true, pinchHorizontal: false, pinchVertical: false }, // a `Frame` takes the wheel
     keyboard: { enabled: true, dx: KEY_STEP, dy: KEY_STEP, panShift: true },
