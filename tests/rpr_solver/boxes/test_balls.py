@@ -133,3 +133,18 @@ def test_an_overflow_excludes_nothing(first: float, second: float) -> None:
     combined = Combinations([[arb(1e308), arb(1e308)]]).of(Balls.stacked([x, y]))
     for found in (x * y, x + y, combined):
         assert np.isfinite(found.mid).all() or not found.excludes_zero.any()
+
+
+@pytest.mark.parametrize("operation", [*OPERATIONS, lambda x, y: x / y])
+@given(first=st.floats(0.5, 1e3), second=st.floats(0.5, 1e3))
+def test_bounds_are_no_wider_than_a_few_roundings(
+    operation: Callable[[Balls, Balls], Balls], first: float, second: float
+) -> None:
+    """Wider ones would be true as well, and would decide nothing."""
+    found = operation(balls((first, 0, 0)), balls((second, 0, 0)))
+    assert found.rad[0] <= 4 * 2.0**-52 * max(first, second, abs(found.mid[0]))
+
+
+@given(angle=st.floats(-400, 400))
+def test_bounds_of_sines_and_cosines_are_narrow(angle: float) -> None:
+    assert max(part.rad[0] for part in balls((angle, 0, 0)).sin_cos()) <= 2.0**-48
