@@ -8,7 +8,7 @@
 
 import { FORMS, LENGTHS, formOf, isSix, numbersOf, triangleOf } from "./geometry.js";
 
-export const VIEWS = ["joint", "torus", "space"];
+const VIEWS = ["joint", "torus", "space"];
 const LEGS = ["l2", "l3", "l1"]; // as their limits are written
 export const MODES = ["move", "design"]; // what a drag of the mechanism does
 
